@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <spheretree/result.hpp>
+
+#include "builders/report.hpp"
+#include "builders/settings.hpp"
+#include "medial/context.hpp"
+#include "medial/surface.hpp"
+
+namespace spheretree::builders {
+
+/// Builds a sphere tree around the surface, proves its cover on the floats it returns and measures every
+/// level. Never returns an uncertified tree: a failed proof is an Internal error.
+///
+/// Fewer levels than asked for come back when every ball already meets settings.maxError. Otherwise a ball
+/// that needs no refinement is repeated on the levels below, so that each level is a cover by itself.
+///
+/// Errors: InvalidArgument (settings out of range, unknown builder), Cancelled.
+Result<BuildResult> buildTree(const medial::Surface& surface, const BuildSettings& settings,
+                              const medial::Context& context);
+
+}  // namespace spheretree::builders
