@@ -28,10 +28,11 @@ struct LevelReport {
 struct BuildReport {
   BuildSettings settings;
   std::vector<LevelReport> levels;
-  ChainProof surfaceChains;  ///< certified in every tree that buildTree returns
-  ChainProof solidChains;    ///< proved for Cover::Solid only; otherwise not attempted
-  bool errorBoundMet = true; ///< false: maxError was set and the last level's worst overhang is above it
-  std::vector<StageTime> stages;  ///< "build" is the builder alone, "certify" the proofs, "measure" the metrics
+  ChainProof surfaceChains;   ///< certified in every tree that buildTree returns
+  ChainProof solidChains;     ///< proved for Cover::Solid only; otherwise not attempted
+  bool errorBoundMet = true;  ///< false: maxError was set and the last level's worst overhang is above it
+  std::vector<StageTime>
+      stages;  ///< "build" is the builder alone, "certify" the proofs, "measure" the metrics
   unsigned threads = 1;
 };
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <mutex>
 #include <string_view>
 
 namespace spheretree::medial {
@@ -33,6 +34,7 @@ class Context {
  private:
   unsigned threads_;
   Progress progress_;
+  mutable std::mutex progressMutex_;
   std::atomic<bool> cancelled_{false};
 };
 

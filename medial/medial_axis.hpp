@@ -13,8 +13,9 @@ namespace spheretree::medial {
 
 /// A ball of the approximate medial axis.
 struct MedialBall {
-  Ball ball;         ///< centre: a Voronoi vertex inside the solid; radius: distance to its nearest samples
-  double depth = 0;  ///< exact distance of the centre to the surface, positive; at most ball.radius + rounding
+  Ball ball;  ///< centre: a Voronoi vertex inside the solid; radius: distance to its nearest samples
+  double depth =
+      0;  ///< exact distance of the centre to the surface, positive; at most ball.radius + rounding
 };
 
 /// An approximation of the interior medial axis by the Voronoi vertices of surface samples.
@@ -30,8 +31,9 @@ struct MedialAxisSettings {
 
 /// The static medial axis (Hubbard 1996, section 4): Delaunay tetrahedra of surface samples, the
 /// circumcentres inside the solid, depth from the exact closest point. Works in a normalised copy; slivers
-/// whose circumcentre contradicts the surface distance are dropped. Deterministic. Never empty for a Surface:
-/// a solid too thin for its samples gets more of them, and at last the deepest sample-free guess.
+/// whose circumcentre contradicts the surface distance are dropped, and a sample without any ball (the solid
+/// is thinner than the samples are dense) gets the largest ball that touches the surface there.
+/// Deterministic.
 [[nodiscard]] MedialAxis staticMedialAxis(const Surface& surface, const MedialAxisSettings& settings,
                                           const Context& context);
 

@@ -18,10 +18,20 @@ namespace spheretree::medial {
 /// a corner of the cube or on the surface.) Empty when the solid misses the cube.
 ///
 /// `nearby` are triangles that may touch the cube, a superset is fine; surface.trianglesNear(cube) will do.
-[[nodiscard]] std::vector<Eigen::Vector3d> solidPoints(const Surface& surface, const Eigen::AlignedBox3d& cube,
+[[nodiscard]] std::vector<Eigen::Vector3d> solidPoints(const Surface& surface,
+                                                       const Eigen::AlignedBox3d& cube,
                                                        std::span<const std::uint32_t> nearby);
 
-/// The eight octants of a cube. Builders and proofs split with this one function.
+/// Those of the solidPoints() that come from triangles, without a query: empty when no surface meets the cube,
+/// which is then all solid or all empty.
+[[nodiscard]] std::vector<Eigen::Vector3d> surfacePoints(const Surface& surface,
+                                                         const Eigen::AlignedBox3d& cube,
+                                                         std::span<const std::uint32_t> nearby);
+
+/// The eight corners of a cube; bit k of the number says upper side on axis k.
+[[nodiscard]] std::array<Eigen::Vector3d, 8> cornersOf(const Eigen::AlignedBox3d& cube);
+
+/// The eight octants of a cube, numbered as its corners. Builders and proofs split with this one function.
 [[nodiscard]] std::array<Eigen::AlignedBox3d, 8> octants(const Eigen::AlignedBox3d& cube);
 
 /// The cube that solid cover starts from: centred on the surface's bounds, a little larger.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "builders/settings.hpp"
+#include "medial/ball.hpp"
+#include "medial/cell_set.hpp"
+#include "medial/context.hpp"
+#include "medial/surface.hpp"
+
+namespace spheretree::builders {
+
+/// Cover these cells with few balls.
+struct ReduceRequest {
+  const medial::Surface& surface;
+  const medial::CellSet& cells;
+  std::uint32_t maxBalls;
+  std::uint64_t seed;
+  const medial::Context& context;
+};
+
+/// A way to cover a region with few balls that stick out little: a pure function of the request.
+class Reducer {
+ public:
+  Reducer() = default;
+  Reducer(const Reducer&) = delete;
+  Reducer& operator=(const Reducer&) = delete;
+  virtual ~Reducer() = default;
+
+  /// Between one and maxBalls balls; each cell lies wholly in one of them. Any number of threads at once.
+  [[nodiscard]] virtual std::vector<medial::Ball> reduce(const ReduceRequest& request) const = 0;
+};
+
+/// Optimised grids, grid.cpp.
+[[nodiscard]] std::unique_ptr<Reducer> makeGridReducer(const GridSettings& settings);
+
+/// Greedy merging of the balls of one static medial axis, which is made here, hubbard.cpp.
+[[nodiscard]] std::unique_ptr<Reducer> makeHubbardReducer(const medial::Surface& surface,
+                                                          const HubbardSettings& settings,
+                                                          const medial::Context& context);
+
+}  // namespace spheretree::builders
