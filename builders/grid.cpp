@@ -11,8 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -62,15 +60,26 @@ Matrix3d principalAxes(std::span<const Vector3d> points) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
 }
 
-/// Uniform over all rotations (Shoemake 1992).
+/// A point of the unit ball in four dimensions, away from its centre. No sine or cosine on purpose: their
+/// last bits differ between machines.
+Eigen::Vector4d randomInBall(medial::Random& random) {
+  Eigen::Vector4d q;
+  do {
+    for (int k = 0; k < 4; ++k) q[k] = random.uniform(-1, 1);
+  } while (q.squaredNorm() > 1 || q.squaredNorm() < 0.01);
+  return q;
+}
+
+/// Uniform over all rotations.
 Matrix3d randomRotation(medial::Random& random) {
-  const double u = random.uniform();
-  const double a = random.uniform(0, 2 * std::numbers::pi);
-  const double b = random.uniform(0, 2 * std::numbers::pi);
-  const double s = std::sqrt(1 - u);
-  const double t = std::sqrt(u);
-  return Eigen::Quaterniond(t * std::cos(b), s * std::sin(a), s * std::cos(a), t * std::sin(b))
-      .toRotationMatrix();
+  return Eigen::Quaterniond(randomInBall(random).normalized()).toRotationMatrix();
+}
+
+/// A rotation by at most about `angle` radians.
+Matrix3d smallRotation(medial::Random& random, double angle) {
+  Eigen::Vector4d q = randomInBall(random) * (angle / 2);
+  q[3] = 1;  // the real part in Eigen's order
+  return Eigen::Quaterniond(q.normalized()).toRotationMatrix();
 }
 
 class GridSearch {
@@ -123,8 +132,7 @@ class GridSearch {
     for (int round = 0; round < kPolishRounds; ++round) {
       request_.context.checkCancelled();
       Grid grid = best_.grid;
-      const Vector3d axis = randomRotation(random).row(0).transpose();
-      grid.axes = grid.axes * Eigen::AngleAxisd(step * random.uniform(-0.5, 0.5), axis).toRotationMatrix();
+      grid.axes = grid.axes * smallRotation(random, step / 2);
       for (int k = 0; k < 3; ++k) {
         grid.shift[k] = std::clamp(grid.shift[k] + step * random.uniform(-1, 1), 0.0, 1.0);
       }

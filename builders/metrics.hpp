@@ -19,17 +19,17 @@ namespace spheretree::builders {
 /// units; divide by Surface::diagonal() for the relative figures.
 struct LevelMetrics {
   std::size_t spheres = 0;
-  Bounds overhangWorst;             ///< gap at most 1 % of the value or 1e-5 of the diagonal
-  double overhangMean = 0;          ///< mean of the balls' own upper bounds
-  std::uint32_t worstBall = 0;      ///< index of the ball that reaches overhangWorst.upper
-  std::vector<double> ballOverhang; ///< upper bound per ball
+  Bounds overhangWorst;              ///< gap at most 1 % of the value or 1e-5 of the diagonal
+  double overhangMean = 0;           ///< mean of the balls' own upper bounds
+  std::uint32_t worstBall = 0;       ///< index of the ball that reaches overhangWorst.upper
+  std::vector<double> ballOverhang;  ///< upper bound per ball
   SurfaceCover surface;
   SolidCover solid;
-  double volume = 0;                ///< of the union of the balls
-  double volumeRatio = 0;           ///< volume / volume of the solid
+  double volume = 0;       ///< of the union of the balls
+  double volumeRatio = 0;  ///< volume / volume of the solid
 };
 
-/// Everything in docs/metrics.md for one set of balls.
+/// Everything in docs/error-metrics.md for one set of balls.
 [[nodiscard]] LevelMetrics measureLevel(const medial::Surface& surface, std::span<const medial::Ball> balls,
                                         const medial::Context& context);
 

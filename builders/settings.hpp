@@ -34,4 +34,12 @@ struct BuildSettings {
   GridSettings grid;
 };
 
+/// What buildTree accepts; the command line shows it.
+struct SettingLimits {
+  static constexpr std::uint32_t kLeastBranch = 2;
+  static constexpr std::uint32_t kMostBranch = 4096;
+  static constexpr std::uint32_t kMostLevels = 24;  ///< deeper balls cannot be told apart in float
+  static constexpr std::uint32_t kLeastSamples = 4;  ///< one tetrahedron
+};
+
 }  // namespace spheretree::builders

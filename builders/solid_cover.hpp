@@ -21,9 +21,12 @@ struct SolidCover {
 };
 
 /// Proves solid cover by octree cells, or brackets what is missing. Stops refining when the bracket is
-/// narrower than `wantedGap` (fraction of the volume) or after a fixed number of cells.
-[[nodiscard]] SolidCover measureSolidCover(const medial::Surface& surface, std::span<const medial::Ball> balls,
-                                           double wantedGap, const medial::Context& context);
+/// narrower than `wantedGap` (fraction of the volume) and nothing is left to hope for, or after a fixed
+/// number of cells. Balls that meet in a point without overlapping can use up that number although they
+/// cover.
+[[nodiscard]] SolidCover measureSolidCover(const medial::Surface& surface,
+                                           std::span<const medial::Ball> balls, double wantedGap,
+                                           const medial::Context& context);
 
 /// As proveSurfaceChains, for every point of the solid. failedTriangle is meaningless.
 [[nodiscard]] ChainProof proveSolidChains(const medial::Surface& surface, const SphereTree& tree,

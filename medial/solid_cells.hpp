@@ -22,8 +22,8 @@ namespace spheretree::medial {
                                                        const Eigen::AlignedBox3d& cube,
                                                        std::span<const std::uint32_t> nearby);
 
-/// Those of the solidPoints() that come from triangles, without a query: empty when no surface meets the cube,
-/// which is then all solid or all empty.
+/// Those of the solidPoints() that come from triangles, without a query: empty when no surface meets the
+/// cube, which is then all solid or all empty.
 [[nodiscard]] std::vector<Eigen::Vector3d> surfacePoints(const Surface& surface,
                                                          const Eigen::AlignedBox3d& cube,
                                                          std::span<const std::uint32_t> nearby);

@@ -16,7 +16,8 @@ namespace spheretree {
 
 /// What a caller is willing to read from a `.sph` text.
 struct SphLoadLimits {
-  std::size_t levels = std::numeric_limits<std::size_t>::max();  ///< deepest prefix wanted, root included
+  /// Levels wanted from the top, root included; at least 1.
+  std::size_t levels = std::numeric_limits<std::size_t>::max();
 };
 
 /// A tree with what its file says about it.
@@ -30,16 +31,20 @@ struct SphFile {
 
 /// Reads any `.sph` dialect of docs/file-format.md from memory.
 ///
-/// Fails with UnreadableInput and a sentence naming line and reason. Allocates at most a small multiple of
-/// text.size(). With limits.levels = K only the rows of the first K levels are parsed and no metadata is
-/// looked for beyond them. O(bytes read).
+/// Fails with UnreadableInput and a sentence naming line and reason, or with InvalidArgument for zero levels.
+/// Allocates at most 16 bytes per byte of text and a few hundred more, whatever the text claims. With
+/// limits.levels = K below the levels of the file, only the rows of the first K levels are looked at, so
+/// `text` may end there, and metadata stays empty. O(bytes read). Any number of threads.
 Result<SphFile> parseSph(std::string_view text, SphLoadLimits limits = {});
 
 /// Writes the strict dialect: five numbers a row, `%.9g`, unused slots `0 0 0 -1 0`, then the metadata as
-/// `# key: value` lines. parseSph of the result gives the same tree, bit for bit.
+/// `# key: value` lines. parseSph of the result gives the same tree, bit for bit, with one exception: a ball
+/// of radius 0 centred at the origin would read as an unused slot and is written with the smallest normal
+/// radius.
 ///
 /// Fails with InvalidArgument when a node has more than `branch` children, when the full table would need
-/// more than kMaxSphRows rows, or when a metadata key or value holds a line break.
+/// more than kMaxSphRows rows, or when metadata could not be read back: a line break or NUL in a key or
+/// value, a key that is empty, holds a colon, or begins or ends with a blank. O(rows).
 Result<std::string> formatSph(const SphereTree& tree, std::uint32_t branch,
                               const std::vector<std::pair<std::string, std::string>>& metadata = {});
 
