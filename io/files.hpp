@@ -18,7 +18,8 @@ Result<std::string> readFile(const std::filesystem::path& path);
 
 /// Writes the whole file or nothing: a temporary file in the same folder, synced, renamed. A crash leaves
 /// the old file or the new one, never half of one. Errors: UnwritableOutput.
-Result<Done> writeFileAtomically(const std::filesystem::path& path, std::string_view bytes, Overwrite overwrite);
+Result<Done> writeFileAtomically(const std::filesystem::path& path, std::string_view bytes,
+                                 Overwrite overwrite);
 
 /// Fails exactly when writeFileAtomically would refuse before writing: existing file, missing or unwritable
 /// folder. Lets a long job fail early.

@@ -13,13 +13,13 @@ namespace spheretree::io {
 
 /// What importing did to the file's triangles.
 struct ImportReport {
-  std::size_t meshes = 0;              ///< mesh instances merged, node transforms applied
-  std::size_t polygons = 0;            ///< faces in the file
-  std::size_t triangulated = 0;        ///< of these, with more than three corners
-  std::size_t weldedVertices = 0;      ///< vertices that shared their position with an earlier one
-  std::size_t degenerateTriangles = 0; ///< dropped: two equal corners, or exactly zero area
-  std::size_t duplicateTriangles = 0;  ///< dropped: same three corners as an earlier one, same orientation
-  std::string contentHash;             ///< XXH3-128 of the file's bytes, 32 hex digits
+  std::size_t meshes = 0;               ///< mesh instances merged, node transforms applied
+  std::size_t polygons = 0;             ///< faces in the file
+  std::size_t triangulated = 0;         ///< of these, with more than three corners
+  std::size_t weldedVertices = 0;       ///< vertices that shared their position with an earlier one
+  std::size_t degenerateTriangles = 0;  ///< dropped: two equal corners, or exactly zero area
+  std::size_t duplicateTriangles = 0;   ///< dropped: same three corners as an earlier one, same orientation
+  std::string contentHash;              ///< XXH3-128 of the file's bytes, 32 hex digits
 };
 
 struct ImportedMesh {

@@ -17,8 +17,9 @@ enum class Repair : std::uint8_t {
   Off,     ///< refuse it by name
   Orient,  ///< make orientations agree and point outwards; refuse it if it is still not closed
   Fill,    ///< as Orient, then triangulate the holes; refuse it if that does not close it
-  Wrap,    ///< replace it by an alpha wrap that strictly contains it (Portaneri et al. 2022): always conservative
-  Auto     ///< the first of off, orient, fill, wrap that gives a closed, oriented mesh without losing anything
+  Wrap,    ///< replace it by an alpha wrap that strictly contains it (Portaneri et al. 2022): always
+           ///< conservative
+  Auto  ///< the first of off, orient, fill, wrap that gives a closed, oriented mesh without losing anything
 };
 
 struct RepairedMesh {
@@ -26,7 +27,8 @@ struct RepairedMesh {
   Repair rule = Repair::Off;         ///< what was used in the end; Off: the mesh is the input, untouched
   std::vector<std::string> actions;  ///< one sentence per thing that was done, none for Off
   std::size_t filledHoles = 0;
-  double wrapOffset = 0;  ///< how far a wrap may stand off the input, mesh units; part of the reported overhang
+  double wrapOffset =
+      0;  ///< how far a wrap may stand off the input, mesh units; part of the reported overhang
 };
 
 /// Makes the mesh a closed, consistently outward-oriented one by the stated rule, or refuses with

@@ -12,6 +12,7 @@ namespace spheretree::io {
 
 /// Writes OBJ, OFF, PLY (binary) or STL (binary) by the file's extension. Text carries 17 digits, so OBJ and
 /// OFF read back bit for bit. Errors: InvalidArgument (unknown extension), UnwritableOutput.
-Result<Done> writeMesh(const std::filesystem::path& path, const medial::TriangleMesh& mesh, Overwrite overwrite);
+Result<Done> writeMesh(const std::filesystem::path& path, const medial::TriangleMesh& mesh,
+                       Overwrite overwrite);
 
 }  // namespace spheretree::io

@@ -1,1 +1,214 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is written about a tree: the metadata of its .sph file (docs/file-format.md), the JSON and the CSV
+// report (docs/reports.md), the pieces of which that other reports share are in report_parts.cpp. Relative
+// figures are fractions of the bounding box diagonal of the mesh that the tree covers.
+
+#include "io/tree_files.hpp"
+
+#include <sys/resource.h>
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <spheretree/version.hpp>
+
+#include "io/guarded.hpp"
+#include "io/report_parts.hpp"
+
+namespace spheretree::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using builders::BuildResult;
+using builders::BuildSettings;
+using builders::LevelMetrics;
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+// Of the `#` lines. Raised when a key changes its meaning.
+constexpr const char* kFormatVersion = "1";
+constexpr const char* kUnits = "mesh units";
+
+/// Enough digits to read; the report has all of them.
+std::string readableNumber(double value) {
+  constexpr int kDigits = 6;
+  std::array<char, 32> digits{};
+  const auto [end, code] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, kDigits);
+  static_cast<void>(code);
+  return {digits.data(), end};
+}
+
+std::string coverName(builders::Cover cover) {
+  return cover == builders::Cover::Solid ? "solid" : "surface";
+}
+
+double diagonalOf(const Provenance& provenance) {
+  return provenance.check.bounds.diagonal().norm();
+}
+
+/// A length as a fraction of the diagonal.
+double relative(double length, const Provenance& provenance) {
+  return length / diagonalOf(provenance);
+}
+
+/// The settings that belong to one builder only.
+std::vector<std::pair<std::string, std::uint64_t>> ownSettings(const BuildSettings& settings) {
+  if (settings.builder == "hubbard") return {{"samples", settings.hubbard.samples}};
+  if (settings.builder == "grid") return {{"orientations", settings.grid.orientations}};
+  return {};
+}
+
+// --- .sph
+// ----------------------------------------------------------------------------------------------------------
+
+std::string settingsLine(const BuildSettings& settings) {
+  std::string line = "branch=" + std::to_string(settings.branch) +
+                     " levels=" + std::to_string(settings.levels) +
+                     " max-error=" + exactNumber(settings.maxError) + " cover=" + coverName(settings.cover) +
+                     " seed=" + std::to_string(settings.seed);
+  for (const auto& [name, value] : ownSettings(settings)) line += " " + name + "=" + std::to_string(value);
+  return line;
+}
+
+std::string levelLine(const LevelMetrics& metrics, const Provenance& provenance) {
+  return "spheres=" + std::to_string(metrics.spheres) + " overhang-worst=[" +
+         readableNumber(relative(metrics.overhangWorst.lower, provenance)) + "," +
+         readableNumber(relative(metrics.overhangWorst.upper, provenance)) +
+         "] overhang-mean=" + readableNumber(relative(metrics.overhangMean, provenance)) +
+         " volume-ratio=" + readableNumber(metrics.volumeRatio) +
+         " covered=" + (metrics.surface.certified ? "yes" : "no") +
+         " solid-covered=" + (metrics.solid.certified ? "yes" : "no");
+}
+
+Metadata metadataOf(const BuildResult& build, const Provenance& provenance) {
+  Metadata metadata = {{"format-version", kFormatVersion},
+                       {"tool", "spheretree " SPHERETREE_VERSION},
+                       {"mesh-hash", provenance.import.contentHash},
+                       {"mesh-triangles", std::to_string(provenance.check.triangles)},
+                       {"repair", repairName(provenance.repair)},
+                       {"builder", build.report.settings.builder},
+                       {"settings", settingsLine(build.report.settings)},
+                       {"frame", "mesh"},
+                       {"units", kUnits},
+                       {"mesh-diagonal", readableNumber(diagonalOf(provenance))}};
+  if (provenance.wrapOffset > 0)
+    metadata.emplace_back("wrap-stand-off", readableNumber(relative(provenance.wrapOffset, provenance)));
+  for (std::size_t k = 0; k < build.report.levels.size(); ++k)
+    metadata.emplace_back("level-" + std::to_string(k),
+                          levelLine(build.report.levels[k].metrics, provenance));
+  metadata.emplace_back("surface-chains",
+                        build.report.surfaceChains.certified ? "certified" : "not certified");
+  metadata.emplace_back("solid-chains", build.report.solidChains.certified ? "certified" : "not certified");
+  return metadata;
+}
+
+// --- tree hash
+// -----------------------------------------------------------------------------------------------------
+
+void appendWord(std::string& bytes, std::uint32_t word) {
+  for (unsigned k = 0; k < 4; ++k) bytes += static_cast<char>((word >> (8 * k)) & 0xffU);
+}
+
+// --- JSON
+// ----------------------------------------------------------------------------------------------------------
+
+Json settingsOf(const BuildSettings& settings) {
+  Json json = {{"builder", settings.builder},        {"branch", settings.branch},
+               {"levels", settings.levels},          {"max_error", settings.maxError},
+               {"cover", coverName(settings.cover)}, {"seed", settings.seed}};
+  for (const auto& [name, value] : ownSettings(settings)) json[name] = value;
+  return json;
+}
+
+Json levelOf(std::size_t index, const builders::LevelReport& level, const Provenance& provenance) {
+  Json json = Json::parse(levelJson(index, level.metrics, diagonalOf(provenance)));
+  json["winners"] = Json::object();
+  for (const auto& [name, sets] : level.winners) json["winners"][name] = sets;
+  return json;
+}
+
+/// Largest resident set of this process so far, in bytes.
+std::uint64_t peakMemory() {
+  rusage usage{};
+  if (::getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  constexpr std::uint64_t kKibibyte = 1024;  // Linux counts in those
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * kKibibyte;
+}
+
+Json reportOf(const BuildResult& build, const Provenance& provenance) {
+  const builders::BuildReport& report = build.report;
+  Json levels = Json::array();
+  for (std::size_t k = 0; k < report.levels.size(); ++k)
+    levels.push_back(levelOf(k, report.levels[k], provenance));
+  Json stages = Json::array();
+  for (const builders::StageTime& stage : report.stages)
+    stages.push_back({{"stage", stage.stage}, {"seconds", stage.seconds}});
+  return {{"tool", Json::parse(toolJson())},
+          {"mesh", Json::parse(meshJson(provenance))},
+          {"settings", settingsOf(report.settings)},
+          {"threads", report.threads},
+          {"levels", std::move(levels)},
+          {"certificate",
+           {{"surface_chains", Json::parse(chainJson(report.surfaceChains))},
+            {"solid_chains", Json::parse(chainJson(report.solidChains))}}},
+          {"error_bound_met", report.errorBoundMet},
+          {"stages", std::move(stages)},
+          {"peak_memory_bytes", peakMemory()},
+          {"tree",
+           {{"content_hash", treeHash(build.tree)},
+            {"levels", build.tree.levelCount()},
+            {"spheres", build.tree.nodes().size()},
+            {"most_children", build.tree.maxChildren()}}}};
+}
+
+}  // namespace
+
+Result<SphFile> readTree(const std::filesystem::path& path, SphLoadLimits limits) {
+  return guarded(ErrorCode::UnreadableInput, path.string(), [&]() -> Result<SphFile> {
+    const Result<std::string> text = readFile(path);
+    if (!text) return text.error();
+    Result<SphFile> file = parseSph(text.value(), limits);
+    if (!file) return Error{file.error().code, path.string() + ": " + file.error().message};
+    return file;
+  });
+}
+
+Result<std::string> formatTree(const BuildResult& build, const Provenance& provenance) {
+  return formatSph(build.tree, build.report.settings.branch, metadataOf(build, provenance));
+}
+
+std::string treeHash(const SphereTree& tree) {
+  std::string bytes;
+  appendWord(bytes, static_cast<std::uint32_t>(tree.levelCount()));
+  for (std::size_t depth = 0; depth < tree.levelCount(); ++depth) {
+    appendWord(bytes, static_cast<std::uint32_t>(tree.level(depth).size()));
+    for (const Node& node : tree.level(depth)) {
+      appendWord(bytes, node.parent);
+      for (const float number :
+           {node.ball.center.x, node.ball.center.y, node.ball.center.z, node.ball.radius})
+        appendWord(bytes, std::bit_cast<std::uint32_t>(number));
+    }
+  }
+  return contentHash(bytes);
+}
+
+std::string formatJsonReport(const BuildResult& build, const Provenance& provenance) {
+  // A path may hold any bytes; those that are not UTF-8 are replaced.
+  return reportOf(build, provenance).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string formatCsvReport(const BuildResult& build, const Provenance& provenance) {
+  const std::string hash = treeHash(build.tree);
+  std::string text = levelCsvHeader();
+  for (std::size_t k = 0; k < build.report.levels.size(); ++k)
+    text += levelCsvRow(k, build.report.levels[k].metrics, provenance, hash);
+  return text;
+}
+
+}  // namespace spheretree::io

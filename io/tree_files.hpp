@@ -19,7 +19,7 @@ namespace spheretree::io {
 struct Provenance {
   std::string meshPath;  ///< as the user gave it
   ImportReport import;
-  MeshCheck check;       ///< of the mesh that the tree was built for, after repair
+  MeshCheck check;  ///< of the mesh that the tree was built for, after repair
   Repair repair = Repair::Off;
   std::vector<std::string> repairActions;
   double wrapOffset = 0;

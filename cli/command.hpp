@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+#include "cli/exit_code.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace spheretree::cli {
+
+/// A subcommand: its parser, and what to do once the arguments are known. `run` may throw; main() turns
+/// that into an exit code.
+struct Command {
+  CLI::App* app = nullptr;  ///< owned by the program's parser
+  std::function<ExitCode()> run;
+};
+
+// One file each. They add themselves to the program's parser.
+Command setupBuild(CLI::App& program);
+Command setupEval(CLI::App& program);
+Command setupInfo(CLI::App& program);
+Command setupList(CLI::App& program);
+Command setupMesh(CLI::App& program);
+
+}  // namespace spheretree::cli

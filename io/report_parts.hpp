@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "builders/cover.hpp"
+#include "builders/metrics.hpp"
+#include "io/tree_files.hpp"
+
+namespace spheretree::io {
+
+// What several reports say in the same words (docs/reports.md). The pieces are JSON texts, because headers
+// carry no JSON library; whoever assembles a report parses them. Numbers survive that exactly.
+
+/// `tool`: name, version, git revision.
+[[nodiscard]] std::string toolJson();
+
+/// `mesh`: path, content hash, facts, what importing and repairing did. Relative lengths are fractions of
+/// the diagonal of provenance.check.bounds.
+[[nodiscard]] std::string meshJson(const Provenance& provenance);
+
+/// One entry of `levels`: everything measured, lengths in mesh units and as fractions of `diagonal`.
+[[nodiscard]] std::string levelJson(std::size_t level, const builders::LevelMetrics& metrics,
+                                    double diagonal);
+
+/// One entry of `certificate`.
+[[nodiscard]] std::string chainJson(const builders::ChainProof& proof);
+
+/// As in `--repair` and in reports.
+[[nodiscard]] std::string repairName(Repair rule);
+
+/// The shortest text that reads back as the same number.
+[[nodiscard]] std::string exactNumber(double value);
+
+/// The first line of a CSV report.
+[[nodiscard]] std::string levelCsvHeader();
+
+/// The line of one level.
+[[nodiscard]] std::string levelCsvRow(std::size_t level, const builders::LevelMetrics& metrics,
+                                      const Provenance& provenance, const std::string& treeHash);
+
+}  // namespace spheretree::io
