@@ -26,7 +26,7 @@ using Eigen::Vector3d;
 
 constexpr int kPanel = 400;       // pixels along a side
 constexpr int kSupersample = 3;   // squared samples per pixel
-constexpr double kMargin = 0.44;  // half the panel, in diagonals of the mesh's box
+constexpr double kMargin = 0.5;  // half the panel, in diagonals of the mesh's box
 
 const Vector3d kLight = Vector3d(-0.5, 0.7, 0.9).normalized();
 
