@@ -82,10 +82,10 @@ ExitCode guarded(int argc, char** argv) {
 }  // namespace spheretree::cli
 
 int main(int argc, char** argv) {
-  using namespace spheretree;
+  namespace cli = spheretree::cli;
   cli::catchInterrupts();
   cli::ExitCode code = cli::guarded(argc, argv);
-  if (const Result<Done> printed = cli::finishPrinting(); !printed && code == cli::ExitCode::Done)
-    code = cli::fail(printed.error());
+  const auto printed = cli::finishPrinting();
+  if (!printed && code == cli::ExitCode::Done) code = cli::fail(printed.error());
   return static_cast<int>(code);
 }

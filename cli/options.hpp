@@ -13,7 +13,7 @@
 #include "io/files.hpp"
 #include "io/mesh_repair.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): not ours
 class App;
 class Option;
 }  // namespace CLI

@@ -37,8 +37,7 @@ std::array<double, 3> key(const Eigen::Vector3d& point) {
   return {point.x(), point.y(), point.z()};
 }
 
-// --- polygons
-// ------------------------------------------------------------------------------------------------------
+// --- polygons ---
 
 /// Newell's normal: twice the area, whatever the shape.
 Eigen::Vector3d newellNormal(std::span<const Eigen::Vector3d> points,
@@ -139,8 +138,7 @@ std::optional<std::vector<Triangle>> cutDelaunay(std::span<const Eigen::Vector3d
   return triangles;
 }
 
-// --- triangles without area
-// ----------------------------------------------------------------------------------------
+// --- triangles without area ---
 
 bool hasEqualCorners(const Triangle& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];

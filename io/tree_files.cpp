@@ -64,8 +64,7 @@ std::vector<std::pair<std::string, std::uint64_t>> ownSettings(const BuildSettin
   return {};
 }
 
-// --- .sph
-// ----------------------------------------------------------------------------------------------------------
+// --- .sph ---
 
 std::string settingsLine(const BuildSettings& settings) {
   std::string line = "branch=" + std::to_string(settings.branch) +
@@ -108,15 +107,13 @@ Metadata metadataOf(const BuildResult& build, const Provenance& provenance) {
   return metadata;
 }
 
-// --- tree hash
-// -----------------------------------------------------------------------------------------------------
+// --- tree hash ---
 
 void appendWord(std::string& bytes, std::uint32_t word) {
   for (unsigned k = 0; k < 4; ++k) bytes += static_cast<char>((word >> (8 * k)) & 0xffU);
 }
 
-// --- JSON
-// ----------------------------------------------------------------------------------------------------------
+// --- JSON ---
 
 Json settingsOf(const BuildSettings& settings) {
   Json json = {{"builder", settings.builder},        {"branch", settings.branch},

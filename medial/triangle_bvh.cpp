@@ -222,6 +222,63 @@ struct TriangleBvh::Builder {
     return cut(range, static_cast<std::uint32_t>(middle - begin));
   }
 
+  struct TurnedBox {
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    Vector3d low = Vector3d::Constant(kInfinity);
+    Vector3d high = Vector3d::Constant(-kInfinity);
+  };
+
+  /// The box of a range along its mean normal and, across it, along its greatest spread.
+  TurnedBox turnedBoxOf(const Range& range) const {
+    TurnedBox box;
+    Vector3d normal = Vector3d::Zero();
+    for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
+      const Vector3d& a = source.corner(order[i], 0);
+      normal += (source.corner(order[i], 1) - a).cross(source.corner(order[i], 2) - a);
+    }
+    const double length = normal.norm();
+    if (length > 0 && std::isfinite(length)) {
+      normal /= length;
+      const Vector3d u = normal.unitOrthogonal();
+      const Vector3d v = normal.cross(u);
+      const Vector3d middle = range.box.center();
+      double difference = 0;  // of the second moments along u and v
+      double mixed = 0;       // twice the mixed moment
+      forEachCorner(range, [&](const Vector3d& p) {
+        const double pu = (p - middle).dot(u);
+        const double pv = (p - middle).dot(v);
+        difference += pu * pu - pv * pv;
+        mixed += 2 * pu * pv;
+      });
+      const double spread = std::sqrt(difference * difference + mixed * mixed);
+      const double doubledCosine = spread > 0 ? difference / spread : 1;
+      const double cosine = std::sqrt(std::max(0.0, (1 + doubledCosine) / 2));
+      const double sine = std::copysign(std::sqrt(std::max(0.0, (1 - doubledCosine) / 2)), mixed);
+      box.axes.row(0) = normal;
+      box.axes.row(1) = cosine * u + sine * v;
+      box.axes.row(2) = cosine * v - sine * u;
+    }
+    forEachCorner(range, [&](const Vector3d& p) {
+      const Vector3d q = box.axes * p;
+      box.low = box.low.cwiseMin(q);
+      box.high = box.high.cwiseMax(q);
+    });
+    // A dot product of three terms is off by a few ulps of the largest coordinate.
+    constexpr double kGuard = 8 * std::numeric_limits<double>::epsilon();
+    const double reach =
+        std::max(range.box.min().cwiseAbs().maxCoeff(), range.box.max().cwiseAbs().maxCoeff());
+    box.low.array() -= kGuard * reach;
+    box.high.array() += kGuard * reach;
+    return box;
+  }
+
+  template <class Visit>
+  void forEachCorner(const Range& range, const Visit& visit) const {
+    for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) visit(source.corner(order[i], k));
+    }
+  }
+
   std::uint32_t buildPacket(const Range& range) {
     Packet packet;
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
@@ -282,7 +339,14 @@ struct TriangleBvh::Builder {
         child = leaf ? buildPacket(children[slot]) : buildNode(children[slot]);
         count = leaf ? children[slot].count : 0;
       }
+      const TurnedBox turned = used ? turnedBoxOf(children[slot]) : TurnedBox{};
       Node& node = nodes[index];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto row = static_cast<int>(k);
+        for (std::size_t c = 0; c < 3; ++c) node.axis[k][c][slot] = turned.axes(row, static_cast<int>(c));
+        node.turnedLow[k][slot] = turned.low[row];
+        node.turnedHigh[k][slot] = turned.high[row];
+      }
       node.child[slot] = child;
       node.count[slot] = count;
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -316,19 +380,22 @@ struct TriangleBvh::Kernels {
     std::memcpy(to.data(), &lanes, sizeof lanes);
   }
 
-  /// Squared distance to each of the four boxes of a node.
-  static SPHERETREE_INLINE void boxDistances(const Node& node, const Vector3d& point, Wide& out) {
+  /// A lower bound of the squared distance to each of the four children of a node: to their turned boxes.
+  static SPHERETREE_INLINE void lowerBounds(const Node& node, const Vector3d& point, Wide& out) {
     Lanes sum = {0, 0, 0, 0};
     const Lanes zero = {0, 0, 0, 0};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double p = point[static_cast<int>(axis)];
-      const Lanes below = load(node.low[axis]) - p;
-      const Lanes above = p - load(node.high[axis]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Lanes at = load(node.axis[k][0]) * point.x() + load(node.axis[k][1]) * point.y() +
+                       load(node.axis[k][2]) * point.z();
+      const Lanes below = load(node.turnedLow[k]) - at;
+      const Lanes above = at - load(node.turnedHigh[k]);
       Lanes gap = below > above ? below : above;
       gap = gap > zero ? gap : zero;
       sum += gap * gap;
     }
-    store(out, sum);
+    // The axes are orthonormal up to rounding only.
+    constexpr double kShort = 1 - 1e-14;
+    store(out, sum * kShort);
   }
 
   /// Squared distance to each of the four triangles of a packet: to the plane where the point projects into
@@ -391,7 +458,7 @@ struct TriangleBvh::Kernels {
       if (entry.distance > best) continue;
       const Node& node = bvh.nodes_[entry.node];
       Wide distance;
-      boxDistances(node, point, distance);
+      lowerBounds(node, point, distance);
       // Nearest child first: sort four slots with a five-comparator network, farthest in front.
       std::uint32_t slot[kWidth] = {0, 1, 2, 3};
       constexpr std::size_t kNetwork[5][2] = {{0, 1}, {2, 3}, {0, 2}, {1, 3}, {1, 2}};

@@ -41,6 +41,12 @@ class TriangleBvh {
   struct alignas(32) Node {
     std::array<Wide, 3> low;
     std::array<Wide, 3> high;
+    // The same triangles in a box of their own attitude, one axis along their mean normal. A patch of a
+    // smooth surface is far thinner than its upright box, and a point far from a round surface sees many
+    // upright boxes at nearly the same distance: with these alone it would have to look into sqrt(n) of them.
+    std::array<std::array<Wide, 3>, 3> axis;  // [axis][component], unit length
+    std::array<Wide, 3> turnedLow;
+    std::array<Wide, 3> turnedHigh;
     std::array<std::uint32_t, kWidth> child;  // inner: node index; leaf: packet index
     std::array<std::uint32_t, kWidth> count;  // leaf: triangles in the packet; inner: 0
   };

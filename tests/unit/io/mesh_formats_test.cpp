@@ -244,7 +244,7 @@ class BinaryFbx {
   std::vector<std::size_t> starts_;
 };
 
-TEST_F(NodeTransforms, BinaryFbxKeepsItsOwnUnits) {
+TEST_F(NodeTransforms, BinaryFbxKeepsItsOwnUnitsAndAxes) {
   const auto named = [](const std::string& name, const std::string& kind) {
     return BinaryFbx::text(name + std::string("\0\x01", 2) + kind);
   };
@@ -255,12 +255,19 @@ TEST_F(NodeTransforms, BinaryFbxKeepsItsOwnUnits) {
     for (const double value : values) text += BinaryFbx::number(value);
     return text;
   };
+  const auto integer = [](const std::string& name, std::int32_t value) {
+    return BinaryFbx::text(name) + BinaryFbx::text("int") + BinaryFbx::text("Integer") + BinaryFbx::text("") +
+           BinaryFbx::number(value);
+  };
   BinaryFbx fbx;
   fbx.open("FBXHeaderExtension", "", 0);
   fbx.leaf("FBXVersion", BinaryFbx::number(std::int32_t{7400}), 1);
   fbx.close(true);
   fbx.open("GlobalSettings", "", 0);
   fbx.open("Properties70", "", 0);
+  fbx.leaf("P", integer("UpAxis", 2), 5);
+  fbx.leaf("P", integer("FrontAxis", 1), 5);
+  fbx.leaf("P", integer("FrontAxisSign", -1), 5);
   fbx.leaf("P", property("UnitScaleFactor", "double", {2.54}), 5);  // inches
   fbx.close(true);
   fbx.close(true);

@@ -2,6 +2,7 @@
 #include "io/mesh_repair.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -96,7 +97,8 @@ TEST(RepairOff, CavitiesOverlapsAndSharedEdgesAreSolidsToo) {
 TEST(RepairOff, NamesWhatIsWrongAndWhatWouldHelp) {
   EXPECT_THAT(refusal({}, Repair::Off), HasSubstr("no triangle"));
   EXPECT_THAT(refusal({{{0, 0, 0}}, {{0, 1, 2}}}, Repair::Auto), HasSubstr("vertex that is not there"));
-  EXPECT_THAT(refusal({{{0, 0, 0}, {1, 0, 0}, {0, NAN, 0}}, {{0, 1, 2}}}, Repair::Auto),
+  EXPECT_THAT(refusal({{{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<double>::quiet_NaN(), 0}}, {{0, 1, 2}}},
+                      Repair::Auto),
               HasSubstr("not a finite"));
   EXPECT_THAT(refusal(openBox(), Repair::Off),
               HasSubstr("4 boundary edges; repair rule fill or wrap may help"));
