@@ -103,10 +103,13 @@ std::string textOf(Vec3 v) {
 std::string asText(const std::string& path, const SphFile& file) {
   const SphereTree& tree = file.tree;
   const Aabb box = boundsOfAll(tree.nodes());
-  std::string text = path + ": " + counted(tree.levelCount(), "level", "levels") + ", branch " +
-                     std::to_string(file.branch) + " (most children " + std::to_string(tree.maxChildren()) +
-                     "), " + counted(tree.nodes().size(), "sphere", "spheres") + "\n" + "bounds " +
-                     textOf(box.min) + " to " + textOf(box.max) + "\n" + "hash " + io::treeHash(tree) + "\n";
+  std::string text = path;
+  text += ": " + counted(tree.levelCount(), "level", "levels");
+  text += ", branch " + std::to_string(file.branch);
+  text += " (most children " + std::to_string(tree.maxChildren()) + "), ";
+  text += counted(tree.nodes().size(), "sphere", "spheres");
+  text += "\nbounds " + textOf(box.min) + " to " + textOf(box.max);
+  text += "\nhash " + io::treeHash(tree) + "\n";
   TextTable table({{"level"}, {"spheres"}, {"childless"}, {"radius from"}, {"to"}});
   for (std::size_t k = 0; k < tree.levelCount(); ++k) {
     const LevelFacts facts = factsOf(tree.level(k));
@@ -114,7 +117,7 @@ std::string asText(const std::string& path, const SphFile& file) {
                number(facts.smallest), number(facts.largest)});
   }
   text += table.text();
-  for (const auto& [key, value] : file.metadata) text += key + ": " + value + "\n";
+  for (const auto& [key, value] : file.metadata) text.append(key).append(": ").append(value).append("\n");
   return text;
 }
 

@@ -42,6 +42,7 @@ allow() {
     cli/*) layers="medial builders io cli" packages="CLI CLI11 nlohmann" ;;
     models/make_models.cpp) layers="medial io models" packages="CLI CLI11" ;;
     models/*) layers="medial models" ;;
+    docs/*) layers="medial builders io models" ;;
     tests/*) layers="runtime medial builders io cli models tests" packages="CGAL assimp nlohmann" ;;
   esac
 }
