@@ -17,10 +17,6 @@
 namespace spheretree::builders {
 namespace {
 
-// More levels than this cannot be told apart in float.
-constexpr std::uint32_t kMostLevels = 24;
-constexpr std::uint32_t kMostBranch = 4096;
-
 /// A sentence saying what is wrong with the settings; empty when nothing is.
 std::string whyInvalid(const BuildSettings& s) {
   if (findBuilder(s.builder) == nullptr) {
@@ -29,18 +25,20 @@ std::string whyInvalid(const BuildSettings& s) {
       names += (names.empty() ? "" : ", ") + std::string(entry.name);
     return "unknown builder '" + s.builder + "'; there are " + names;
   }
-  if (s.branch < 2 || s.branch > kMostBranch) {
-    return "branch must be between 2 and " + std::to_string(kMostBranch) + ", not " +
-           std::to_string(s.branch);
+  if (s.branch < SettingLimits::kLeastBranch || s.branch > SettingLimits::kMostBranch) {
+    return "branch must be between " + std::to_string(SettingLimits::kLeastBranch) + " and " +
+           std::to_string(SettingLimits::kMostBranch) + ", not " + std::to_string(s.branch);
   }
-  if (s.levels < 1 || s.levels > kMostLevels) {
-    return "levels must be between 1 and " + std::to_string(kMostLevels) + ", not " +
+  if (s.levels < 1 || s.levels > SettingLimits::kMostLevels) {
+    return "levels must be between 1 and " + std::to_string(SettingLimits::kMostLevels) + ", not " +
            std::to_string(s.levels);
   }
   if (!std::isfinite(s.maxError) || s.maxError < 0) {
     return "max-error must be a fraction of the diagonal, 0 or more";
   }
-  if (s.hubbard.samples < 4) return "hubbard samples must be at least 4";
+  if (s.hubbard.samples < SettingLimits::kLeastSamples) {
+    return "samples must be at least " + std::to_string(SettingLimits::kLeastSamples);
+  }
   return {};
 }
 

@@ -144,7 +144,7 @@ std::string factsText(const io::MeshCheck& check) {
   text += line("self-intersections", std::to_string(check.selfIntersections));
   text += line("genus", check.genus ? std::to_string(*check.genus) : "undefined");
   text += line("area", shortNumber(check.area, kDigits));
-  text += line("volume", shortNumber(check.volume, kDigits));
+  text += line("volume", check.closed && check.oriented ? shortNumber(check.volume, kDigits) : "undefined");
   text += line("bounds", textOf(check.bounds.min()) + " to " + textOf(check.bounds.max()) + ", diagonal " +
                              shortNumber(check.bounds.diagonal().norm(), kDigits));
   return text;

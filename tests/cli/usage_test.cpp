@@ -7,6 +7,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -45,6 +48,47 @@ TEST_F(Usage, HelpOfASubcommandShowsDefaults) {
   EXPECT_EQ(help.exitCode, 0);
   for (const char* word : {"[2, 4096]=8", "[1, 24]=4", "=hubbard", "surface|solid=surface", "=auto", "=2000"})
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
+}
+
+/// Every match of the first group.
+std::vector<std::string> found(const std::string& text, const std::string& pattern) {
+  const std::regex expression(pattern);
+  std::vector<std::string> all;
+  for (auto at = std::sregex_iterator(text.begin(), text.end(), expression); at != std::sregex_iterator();
+       ++at)
+    all.push_back((*at)[1]);
+  return all;
+}
+
+/// The part of the book between the heading of a subcommand and the next one.
+std::string chapter(const std::string& book, const std::string& subcommand) {
+  const std::size_t begin = book.find("\n## " + subcommand + "\n");
+  if (begin == std::string::npos) return {};
+  return book.substr(begin, book.find("\n## ", begin + 1) - begin);
+}
+
+TEST_F(Usage, TheBookHasEveryOptionAndItsDefault) {
+  std::ifstream file(SPHERETREE_BOOK);
+  const std::string book((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  for (const char* subcommand : {"build", "eval", "info", "list", "mesh"}) {
+    SCOPED_TRACE(subcommand);
+    const std::string text = chapter(book, subcommand);
+    const std::string help = run({subcommand, "--help"}).out;
+    const std::vector<std::string> options = found(help, "\\n  (?:-[a-z],)?(--[a-z-]+)");
+    ASSERT_FALSE(options.empty());
+    for (const std::string& option : options) {
+      if (option == "--help") continue;
+      EXPECT_NE(text.find(option), std::string::npos) << option;
+    }
+    for (const std::string& option : found(text, "`(--[a-z-]+)"))
+      EXPECT_NE(help.find(option), std::string::npos) << option << " is in the book only";
+    for (const std::string& option : options) {
+      const std::vector<std::string> value = found(help, option + " [^=\n]*=(\\S+)");
+      if (value.empty()) continue;
+      EXPECT_FALSE(found(text, "(`" + option + "[^\n]*` \\| `" + value[0] + "` \\|)").empty())
+          << option << " has the default " << value[0];
+    }
+  }
 }
 
 TEST_F(Usage, VersionIsOneLine) {
