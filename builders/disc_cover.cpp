@@ -52,17 +52,7 @@ double cutTriangle(double radius, double p, double t) {
 
 /// Area of polygon and disc in common; the polygon is relative to the disc's centre.
 double commonArea(const PlanePolygon& polygon, double radius) {
-  double sum = 0;
-  const auto edges = polygon.edges();
-  for (std::size_t k = 0; k < edges.size(); ++k) {
-    const auto& [line, start] = edges[k];
-    const Vector2d& end = edges[k + 1 == edges.size() ? 0 : k + 1].start;
-    const Vector2d along(-line.normal.y(), line.normal.x());
-    const double p = std::abs(line.offset);
-    const auto half = [&](double t) { return std::copysign(cutTriangle(radius, p, std::abs(t)), t); };
-    sum += std::copysign(1.0, line.offset) * (half(along.dot(end)) - half(along.dot(start)));
-  }
-  return sum;
+  return polygon.sumOverRightTriangles([&](double p, double t) { return cutTriangle(radius, p, t); });
 }
 
 /// The triangle in its own plane, counter-clockwise, the first corner at the origin.

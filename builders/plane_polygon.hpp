@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <utility>
@@ -56,6 +57,23 @@ class PlanePolygon {
       next_.push_back({inside ? cut : edges_[k].line, crossing});
     }
     std::swap(edges_, next_);
+  }
+
+  /// Sums piece(p, t) over the right triangles that make up the polygon as seen from the origin: p is the
+  /// distance of an edge's line, t the way from its foot to an end of the edge. Signed, so that everything
+  /// outside the polygon cancels.
+  template <class Piece>
+  [[nodiscard]] double sumOverRightTriangles(const Piece& piece) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+      const auto& [line, start] = edges_[k];
+      const Eigen::Vector2d& end = edges_[k + 1 == edges_.size() ? 0 : k + 1].start;
+      const Eigen::Vector2d along(-line.normal.y(), line.normal.x());
+      const double p = std::abs(line.offset);
+      const auto half = [&](double t) { return std::copysign(piece(p, std::abs(t)), t); };
+      sum += std::copysign(1.0, line.offset) * (half(along.dot(end)) - half(along.dot(start)));
+    }
+    return sum;
   }
 
  private:

@@ -73,17 +73,8 @@ double cutCone(double h, double p, double t) {
 /// of the perpendicular, at distance |offset|; the sign is that of the offset.
 double faceVolume(const PlanePolygon& polygon, double offset) {
   const double h = std::abs(offset);
-  double sum = 0;
-  const auto edges = polygon.edges();
-  for (std::size_t k = 0; k < edges.size(); ++k) {
-    const auto& [line, start] = edges[k];
-    const Vector2d& end = edges[k + 1 == edges.size() ? 0 : k + 1].start;
-    const Vector2d along(-line.normal.y(), line.normal.x());
-    const double p = std::abs(line.offset);
-    const auto half = [&](double t) { return std::copysign(cutCone(h, p, std::abs(t)), t); };
-    sum += std::copysign(1.0, line.offset) * (half(along.dot(end)) - half(along.dot(start)));
-  }
-  return offset < 0 ? -sum : sum;
+  return std::copysign(1.0, offset) *
+         polygon.sumOverRightTriangles([&](double p, double t) { return cutCone(h, p, t); });
 }
 
 /// The trace of half-space `b` in the boundary plane of `a`, relative to the foot of a's perpendicular: a
