@@ -34,6 +34,9 @@ using medial::Surface;
 // not hang on rounding, or a turned object would get another tree.
 constexpr double kCostStep = 1e-9;
 
+// Cells that are given to their medial balls together.
+constexpr std::size_t kBlock = 8;
+
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// A ball and the corner points of the cells that it answers for.
@@ -118,22 +121,8 @@ class Merger {
       return;
     }
     owner_.assign(cells.size(), kNone);
-    std::uint32_t likely = 0;  // neighbouring cells come one after the other and often agree
-    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-      const Vector3d& corner = points[cells.corners(cell)[0]];
-      double best = standOff(cell, axis_.balls[near[likely]]);
-      for (std::uint32_t k = 0; k < near.size(); ++k) {
-        const medial::MedialBall& candidate = axis_.balls[near[k]];
-        // One corner rules most balls out before the others are looked at.
-        const double limit = best + candidate.depth + costStep_;
-        if (limit < 0 || (corner - candidate.ball.center).squaredNorm() > limit * limit) continue;
-        const double value = standOff(cell, candidate);
-        if (value < best - costStep_ || (value <= best + costStep_ && k < likely)) {
-          best = value;
-          likely = k;
-        }
-      }
-      owner_[cell] = likely;
+    for (std::size_t first = 0; first < cells.size(); first += kBlock) {
+      findOwners(first, std::min(cells.size(), first + kBlock), near);
     }
     std::vector<std::uint32_t> number(near.size(), kNone);
     for (std::size_t cell = 0; cell < cells.size(); ++cell) {
@@ -157,8 +146,56 @@ class Merger {
     for (std::size_t k = 0; k < near.size(); ++k) ofMedialBall_[near[k]] = number[k];
   }
 
-  double standOff(std::size_t cell, const medial::MedialBall& candidate) const {
-    return std::sqrt(request_.cells.farthestSquared(cell, candidate.ball.center)) - candidate.depth;
+  /// The owner, an index into `near`, of every cell of a run. Cells of a run lie close together, so most
+  /// candidates are ruled out for all of them at once.
+  void findOwners(std::size_t first, std::size_t last, const std::vector<std::uint32_t>& near) {
+    const CellSet& cells = request_.cells;
+    Eigen::AlignedBox3d box;
+    for (std::size_t cell = first; cell < last; ++cell) {
+      for (const std::uint32_t p : cells.corners(cell)) box.extend(cells.points()[p]);
+    }
+    const Vector3d middle = box.center();
+    const double radius = box.diagonal().norm() / 2;
+    // Every corner is within `radius` of the middle: so far is the stand-off of any cell from this estimate.
+    std::vector<double> estimate(near.size());
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      const medial::MedialBall& candidate = axis_.balls[near[k]];
+      estimate[k] = (candidate.ball.center - middle).norm() - candidate.depth;
+      least = std::min(least, estimate[k]);
+    }
+    struct Likely {
+      double estimate;
+      std::uint32_t k;
+      Vector3d center;
+      double depth;
+    };
+    std::vector<Likely> likely;
+    for (std::uint32_t k = 0; k < near.size(); ++k) {
+      if (estimate[k] - radius > least + radius + costStep_) continue;
+      const medial::MedialBall& candidate = axis_.balls[near[k]];
+      likely.push_back({estimate[k], k, candidate.ball.center, candidate.depth});
+    }
+    // The most likely first: they rule out the others by one corner.
+    std::sort(likely.begin(), likely.end(), [](const Likely& a, const Likely& b) {
+      return std::pair(a.estimate, a.k) < std::pair(b.estimate, b.k);
+    });
+    for (std::size_t cell = first; cell < last; ++cell) {
+      const Vector3d& corner = cells.points()[cells.corners(cell)[0]];
+      double best = std::numeric_limits<double>::infinity();
+      asGood_.clear();
+      for (const Likely& candidate : likely) {
+        const double limit = best + candidate.depth + costStep_;
+        if (limit < 0 || (corner - candidate.center).squaredNorm() > limit * limit) continue;
+        const double standOff = std::sqrt(cells.farthestSquared(cell, candidate.center)) - candidate.depth;
+        best = std::min(best, standOff);
+        if (standOff <= best + costStep_) asGood_.emplace_back(standOff, candidate.k);
+      }
+      // The first of those that are equal but for rounding.
+      for (const auto& [standOff, k] : asGood_) {
+        if (standOff <= best + costStep_) owner_[cell] = std::min(owner_[cell], k);
+      }
+    }
   }
 
   /// Clusters are neighbours when their medial balls are, or when their cells share a corner. What is still
@@ -318,8 +355,9 @@ class Merger {
   const MedialAxis& axis_;
   double costStep_;  // mesh units
   std::vector<Cluster> clusters_;
-  std::vector<std::uint32_t> owner_;         // cell -> cluster
-  std::vector<std::uint32_t> ofMedialBall_;  // ball of the axis -> cluster
+  std::vector<std::uint32_t> owner_;                      // cell -> cluster
+  std::vector<std::pair<double, std::uint32_t>> asGood_;  // scratch of findOwners
+  std::vector<std::uint32_t> ofMedialBall_;               // ball of the axis -> cluster
   std::priority_queue<Merge> queue_;
 };
 

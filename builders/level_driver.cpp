@@ -17,6 +17,7 @@
 #include "builders/overhang.hpp"
 #include "medial/cell_set.hpp"
 #include "medial/min_ball.hpp"
+#include "medial/morton.hpp"
 #include "medial/parallel.hpp"
 #include "medial/random.hpp"
 #include "medial/solid_cells.hpp"
@@ -146,9 +147,16 @@ NodeResult expand(const Surface& surface, const BuildSettings& settings, const R
 
 WorkNode makeRoot(const Surface& surface, Cover cover) {
   const medial::TriangleMesh& mesh = surface.mesh();
+  // Along a space-filling curve, and so for ever: cells next to each other in a list are near in space.
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Eigen::Vector3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+    order.emplace_back(medial::mortonCode(middle, surface.bounds()), t);
+  }
+  std::sort(order.begin(), order.end());
   WorkNode root;
   std::vector<Eigen::Vector3d> points;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (const auto& [code, t] : order) {
     root.region.surface.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
     points.insert(points.end(), root.region.surface.back().begin(), root.region.surface.back().end());
   }
