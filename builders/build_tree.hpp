@@ -13,8 +13,9 @@ namespace spheretree::builders {
 /// Builds a sphere tree around the surface, proves its cover on the floats it returns and measures every
 /// level. Never returns an uncertified tree: a failed proof is an Internal error.
 ///
-/// Fewer levels than asked for come back when every ball already meets settings.maxError. Otherwise a ball
-/// that needs no refinement is repeated on the levels below, so that each level is a cover by itself.
+/// Fewer levels than asked for come back when every ball already meets settings.maxError, or when the builder
+/// finds no children that stick out less than their parents (one ball fits a ball best). A single ball of
+/// which that is true is repeated on the levels below, so that each level is a cover by itself.
 ///
 /// Errors: InvalidArgument (settings out of range, unknown builder), Cancelled.
 Result<BuildResult> buildTree(const medial::Surface& surface, const BuildSettings& settings,

@@ -76,8 +76,11 @@ std::string summary(const BuildResult& build, const io::Provenance& provenance, 
   std::string text = describeMesh(provenance);
   text += settings.builder + ": branch " + std::to_string(settings.branch) + ", " +
           counted(build.tree.levelCount(), "level", "levels") + ", seed " + std::to_string(settings.seed);
-  if (build.tree.levelCount() < settings.levels)
-    text += " (no need for " + std::to_string(settings.levels) + " levels: every ball meets --max-error)";
+  if (build.tree.levelCount() < settings.levels) {
+    const bool met = settings.maxError > 0 && build.report.errorBoundMet;
+    text += " (of " + std::to_string(settings.levels) +
+            (met ? ": every ball meets --max-error)" : ": the next would not stick out less)");
+  }
   text += "\n";
   std::vector<const builders::LevelMetrics*> levels;
   for (const builders::LevelReport& level : build.report.levels) levels.push_back(&level.metrics);

@@ -121,6 +121,7 @@ std::vector<Triangle> triangulateRim(const medial::TriangleMesh& mesh, const Rim
                                      .use_delaunay_triangulation(true)
                                      .do_not_use_cubic_algorithm(rim.size() > kLongestFullSearch));
   std::vector<Triangle> triangles;
+  triangles.reserve(faces.size());
   for (const auto& face : faces) {
     triangles.push_back({rim[static_cast<std::size_t>(face.first)],
                          rim[static_cast<std::size_t>(face.second)],

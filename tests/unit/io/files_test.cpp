@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -21,8 +22,8 @@ using testing::StartsWith;
 class Files : public tests::InFolder {};
 
 TEST_F(Files, WhatIsWrittenIsRead) {
-  std::string bytes = "one\r\n\0two";
-  bytes.push_back('\0');
+  using std::string_literals::operator""s;
+  std::string bytes = "one\r\n\0two\0"s;
   for (const std::size_t size : {std::size_t{0}, bytes.size(), std::size_t{3'000'001}}) {
     bytes.resize(size, 'x');
     ASSERT_TRUE(writeFileAtomically(in("a"), bytes, Overwrite::Replace).ok());
@@ -59,6 +60,7 @@ TEST_F(Files, OfManyWritersThatRefuseToReplaceExactlyOneWins) {
   constexpr int kWriters = 8;
   std::vector<int> won(kWriters, 0);
   std::vector<std::thread> threads;
+  threads.reserve(kWriters);
   for (int i = 0; i < kWriters; ++i) {
     threads.emplace_back([&, i] {
       const std::string bytes(100'000, static_cast<char>('a' + i));
