@@ -46,7 +46,9 @@ void appendCorners(std::string& text, const TriangleMesh::Triangle& triangle, st
 /// Little-endian on every machine.
 template <class Bits>
 void appendBits(std::string& bytes, Bits value) {
-  for (std::size_t k = 0; k < sizeof(Bits); ++k) bytes += static_cast<char>((value >> (8 * k)) & 0xffU);
+  for (std::size_t k = 0; k < sizeof(Bits); ++k) {
+    bytes += static_cast<char>((std::uint64_t{value} >> (8 * k)) & 0xffU);
+  }
 }
 
 std::string toObj(const TriangleMesh& mesh) {

@@ -51,9 +51,14 @@ aiMatrix4x4 toAssimp(const Eigen::Affine3d& transform) {
 std::unique_ptr<aiScene> sceneWith(const medial::TriangleMesh& mesh,
                                    const std::vector<Eigen::Affine3d>& transforms) {
   auto scene = std::make_unique<aiScene>();
-  scene->mMaterials = new aiMaterial* [1] { new aiMaterial() };
+  // Raw new throughout: the scene's destructor owns it all, as assimp has it.
+  scene->mMaterials = new aiMaterial*[1]();
+  scene->mMaterials[0] = new aiMaterial();
   scene->mNumMaterials = 1;
-  auto* out = new aiMesh();
+  scene->mMeshes = new aiMesh*[1]();
+  scene->mMeshes[0] = new aiMesh();
+  scene->mNumMeshes = 1;
+  aiMesh* out = scene->mMeshes[0];
   out->mName = "solid";
   out->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
   out->mNumVertices = static_cast<unsigned>(mesh.vertices.size());
@@ -71,8 +76,6 @@ std::unique_ptr<aiScene> sceneWith(const medial::TriangleMesh& mesh,
     out->mFaces[t].mIndices =
         new unsigned[3]{mesh.triangles[t][0], mesh.triangles[t][1], mesh.triangles[t][2]};
   }
-  scene->mMeshes = new aiMesh* [1] { out };
-  scene->mNumMeshes = 1;
   scene->mRootNode = new aiNode("root");
   for (std::size_t i = 0; i < transforms.size(); ++i) {
     auto* node = new aiNode("part" + std::to_string(i));

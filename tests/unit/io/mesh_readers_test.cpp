@@ -326,8 +326,8 @@ TEST_F(MeshReaders, OtherThingsAreRefused) {
   expectRefused("noending", "hello", "no mesh format is known by the ending of this name");
   expectRefused("a.glb", "not a glb at all", "");
   expectRefused("a.dae", "<COLLADA", "");
-  expectRefused("a.fbx", "Kaydara FBX Binary  \0\x1a\0\xff\xff\xff\xff", "");
-  expectRefused("a.3ds", std::string("MM\xff\xff\xff\xff", 6), "");
+  expectRefused("a.fbx", std::string("Kaydara FBX Binary  \0\x1a\0\xff\xff\xff\xff", 27), "");
+  expectRefused("a.3ds", "MM\xff\xff\xff\xff", "");
   expectRefused(
       "a.gltf",
       "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":9}}]}]}",
