@@ -10,7 +10,28 @@
 
 #include "medial/parallel.hpp"
 
+#if defined(__SANITIZE_THREAD__)
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace spheretree::medial {
+namespace {
+
+/// Tells the thread sanitizer what the OpenMP runtime, which is not instrumented, guarantees: what happens
+/// before a parallel region is seen inside it, and what happens inside is seen after it.
+[[maybe_unused]] char forkAndJoin;
+void publish() {
+#if defined(__SANITIZE_THREAD__)
+  __tsan_release(&forkAndJoin);
+#endif
+}
+void observe() {
+#if defined(__SANITIZE_THREAD__)
+  __tsan_acquire(&forkAndJoin);
+#endif
+}
+
+}  // namespace
 
 Context::Context(unsigned threads, Progress progress)
     : threads_(threads != 0 ? threads : static_cast<unsigned>(std::max(1, omp_get_num_procs()))),
@@ -50,15 +71,22 @@ void parallelFor(std::size_t count, const Context& context, const std::function<
     }
   };
   const auto threads = static_cast<int>(std::min<std::size_t>(context.threads(), count));
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-  for (std::size_t i = 0; i < count; ++i) {
-    bool skip = false;
-    {
-      const std::lock_guard lock(mutex);
-      skip = i > failedIndex;
+  publish();
+#pragma omp parallel num_threads(threads)
+  {
+    observe();
+#pragma omp for schedule(dynamic, 1) nowait
+    for (std::size_t i = 0; i < count; ++i) {
+      bool skip = false;
+      {
+        const std::lock_guard lock(mutex);
+        skip = i > failedIndex;
+      }
+      if (!skip) run(i);
     }
-    if (!skip) run(i);
+    publish();
   }
+  observe();
   if (failure) std::rethrow_exception(failure);
 }
 
