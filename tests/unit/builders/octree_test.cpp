@@ -67,16 +67,17 @@ TEST(Octree, SplitsByAnyBranchingFactor) {
   EXPECT_EQ(octreeOf(cube, 2, Cover::Surface, 5).levels[1].size(), 4U);
   EXPECT_EQ(octreeOf(cube, 2, Cover::Surface, 27).levels[1].size(), 26U);
   EXPECT_EQ(octreeOf(cube, 2, Cover::Solid, 27).levels[1].size(), 27U);
-  const std::vector<BallTree::Node>& halves = octreeOf(cube, 2, Cover::Surface, 2).levels[1];
+  const BallTree inTwo = octreeOf(cube, 2, Cover::Surface, 2);
+  const std::vector<BallTree::Node>& halves = inTwo.levels[1];
   EXPECT_NEAR(halves[0].ball.radius, std::sqrt(0.25 * 0.25 + 0.5 * 0.5 + 0.5 * 0.5), 1e-12);
 }
 
 TEST(Octree, AFaceOnACuttingPlaneBelongsToOneSideOnly) {
-  // The 2 x 2 x 1 slab hangs from the middle plane of its 2 x 2 x 2 cube... here its faces lie at z = +-0.5,
-  // the planes of the second split: each is kept once.
+  // The faces of a 2 x 2 x 1 block lie at z = +-0.5 in its 2 x 2 x 2 cube, on cutting planes of the second
+  // split. Each belongs to the layer of 16 cells below it; of the layer between, the 12 outer cells remain.
   const BallTree tree = octreeOf(models::makeBox({2, 2, 1}), 3, Cover::Surface);
   EXPECT_EQ(tree.levels[1].size(), 8U);
-  EXPECT_LE(tree.levels[2].size(), 48U);
+  EXPECT_EQ(tree.levels[2].size(), 16U + 12 + 16);
 }
 
 }  // namespace
