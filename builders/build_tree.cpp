@@ -2,7 +2,6 @@
 #include "builders/build_tree.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -12,35 +11,12 @@
 
 #include "builders/catalogue.hpp"
 #include "builders/finalize.hpp"
+#include "builders/level_driver.hpp"
+#include "builders/settings_use.hpp"
 #include "medial/canonical_frame.hpp"
 
 namespace spheretree::builders {
 namespace {
-
-/// A sentence saying what is wrong with the settings; empty when nothing is.
-std::string whyInvalid(const BuildSettings& s) {
-  if (findBuilder(s.builder) == nullptr) {
-    std::string names;
-    for (const CatalogueEntry& entry : catalogue())
-      names += (names.empty() ? "" : ", ") + std::string(entry.name);
-    return "unknown builder '" + s.builder + "'; there are " + names;
-  }
-  if (s.branch < SettingLimits::kLeastBranch || s.branch > SettingLimits::kMostBranch) {
-    return "branch must be between " + std::to_string(SettingLimits::kLeastBranch) + " and " +
-           std::to_string(SettingLimits::kMostBranch) + ", not " + std::to_string(s.branch);
-  }
-  if (s.levels < 1 || s.levels > SettingLimits::kMostLevels) {
-    return "levels must be between 1 and " + std::to_string(SettingLimits::kMostLevels) + ", not " +
-           std::to_string(s.levels);
-  }
-  if (!std::isfinite(s.maxError) || s.maxError < 0) {
-    return "max-error must be a fraction of the diagonal, 0 or more";
-  }
-  if (s.hubbard.samples < SettingLimits::kLeastSamples) {
-    return "samples must be at least " + std::to_string(SettingLimits::kLeastSamples);
-  }
-  return {};
-}
 
 /// Wall-clock seconds of consecutive stages, for the report only.
 class Stopwatch {
@@ -60,21 +36,51 @@ class Stopwatch {
 
 /// Builders see every mesh in the frame of its own shape: size, place and attitude of the input then matter
 /// no more than rounding does.
+struct Canonical {
+  Canonical(const medial::Surface& surface, const BuildSettings& given)
+      : frame(medial::canonicalFrame(surface.mesh())), solid(moved(surface, frame)), settings(given) {
+    // A fraction of the input's diagonal stays the same length; the diagonal depends on the attitude.
+    settings.maxError *= surface.diagonal() / (frame.scale * solid.diagonal());
+  }
+
+  static medial::Surface moved(const medial::Surface& surface, const medial::CanonicalFrame& frame) {
+    Result<medial::Surface> solid = medial::Surface::create(medial::toFrame(surface.mesh(), frame));
+    if (!solid) {
+      throw std::runtime_error("the mesh does not survive normalisation: " + solid.error().message);
+    }
+    return std::move(*solid);
+  }
+
+  [[nodiscard]] medial::Ball backward(const medial::Ball& ball) const {
+    return {frame.backward(ball.center), ball.radius * frame.scale};
+  }
+
+  medial::CanonicalFrame frame;
+  medial::Surface solid;
+  BuildSettings settings;
+};
+
 BallTree buildInCanonicalFrame(const medial::Surface& surface, const BuildSettings& settings,
                                const medial::Context& context) {
-  const medial::CanonicalFrame frame = medial::canonicalFrame(surface.mesh());
-  Result<medial::Surface> moved = medial::Surface::create(medial::toFrame(surface.mesh(), frame));
-  if (!moved) throw std::runtime_error("the mesh does not survive normalisation: " + moved.error().message);
-  BuildSettings local = settings;
-  // A fraction of the input's diagonal stays the same length; the diagonal depends on the attitude.
-  local.maxError *= surface.diagonal() / (frame.scale * moved->diagonal());
-  BallTree tree = findBuilder(settings.builder)->build(*moved, local, context);
+  const Canonical canonical(surface, settings);
+  BallTree tree = findBuilder(settings.builder)->build(canonical.solid, canonical.settings, context);
   for (std::vector<BallTree::Node>& level : tree.levels) {
-    for (BallTree::Node& node : level) {
-      node.ball = {frame.backward(node.ball.center), node.ball.radius * frame.scale};
-    }
+    for (BallTree::Node& node : level) node.ball = canonical.backward(node.ball);
   }
   return tree;
+}
+
+Result<medial::MedialAxis> axisInMeshFrame(const medial::Surface& surface, const BuildSettings& settings,
+                                           const medial::Context& context) {
+  if (std::string reason = whyInvalid(settings); !reason.empty()) {
+    return Error{ErrorCode::InvalidArgument, std::move(reason)};
+  }
+  const Canonical canonical(surface, settings);
+  medial::MedialAxis axis = rootAxis(canonical.solid, canonical.settings, context);
+  for (medial::MedialBall& ball : axis.balls) {
+    ball = {canonical.backward(ball.ball), ball.depth * canonical.frame.scale};
+  }
+  return axis;
 }
 
 Result<BuildResult> build(const medial::Surface& surface, const BuildSettings& settings,
@@ -127,12 +133,11 @@ Result<BuildResult> build(const medial::Surface& surface, const BuildSettings& s
   return BuildResult{std::move(*tree), std::move(report)};
 }
 
-}  // namespace
-
-Result<BuildResult> buildTree(const medial::Surface& surface, const BuildSettings& settings,
-                              const medial::Context& context) {
+/// Turns what a builder throws into an error.
+template <class Value, class Work>
+Result<Value> guarded(const Work& work) {
   try {
-    return build(surface, settings, context);
+    return work();
   } catch (const medial::CancelledError&) {
     return Error{ErrorCode::Cancelled, "cancelled"};
   } catch (const std::bad_alloc&) {
@@ -140,6 +145,18 @@ Result<BuildResult> buildTree(const medial::Surface& surface, const BuildSetting
   } catch (const std::exception& e) {
     return Error{ErrorCode::Internal, e.what()};
   }
+}
+
+}  // namespace
+
+Result<BuildResult> buildTree(const medial::Surface& surface, const BuildSettings& settings,
+                              const medial::Context& context) {
+  return guarded<BuildResult>([&] { return build(surface, settings, context); });
+}
+
+Result<medial::MedialAxis> rootMedialAxis(const medial::Surface& surface, const BuildSettings& settings,
+                                          const medial::Context& context) {
+  return guarded<medial::MedialAxis>([&] { return axisInMeshFrame(surface, settings, context); });
 }
 
 }  // namespace spheretree::builders

@@ -6,6 +6,7 @@
 #include "builders/report.hpp"
 #include "builders/settings.hpp"
 #include "medial/context.hpp"
+#include "medial/medial_axis.hpp"
 #include "medial/surface.hpp"
 
 namespace spheretree::builders {
@@ -20,5 +21,10 @@ namespace spheretree::builders {
 /// Errors: InvalidArgument (settings out of range, unknown builder), Cancelled.
 Result<BuildResult> buildTree(const medial::Surface& surface, const BuildSettings& settings,
                               const medial::Context& context);
+
+/// The refined medial axis (docs/medial-axis.md) that builders choose the children of the root from, in the
+/// surface's own coordinates: for looking at. Errors: as buildTree.
+Result<medial::MedialAxis> rootMedialAxis(const medial::Surface& surface, const BuildSettings& settings,
+                                          const medial::Context& context);
 
 }  // namespace spheretree::builders

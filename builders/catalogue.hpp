@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string_view>
 
 #include "builders/ball_tree.hpp"
+#include "builders/reducer.hpp"
 #include "builders/settings.hpp"
 #include "medial/context.hpp"
 #include "medial/surface.hpp"
@@ -17,6 +19,9 @@ struct CatalogueEntry {
   std::string_view summary;    ///< one line
   std::string_view reference;  ///< where the method comes from
   BallTree (*build)(const medial::Surface&, const BuildSettings&, const medial::Context&) = nullptr;
+  /// How one region is covered, for rows that `combined` may choose from; nullptr for the others.
+  std::unique_ptr<Reducer> (*makeReducer)(const medial::Surface&, const BuildSettings&,
+                                          const medial::Context&) = nullptr;
 };
 
 /// All builders, from the plainest to the tightest.

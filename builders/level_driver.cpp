@@ -7,14 +7,21 @@
 #include "builders/level_driver.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "builders/overhang.hpp"
+#include "builders/fit_ball.hpp"
+#include "builders/pieces.hpp"
+#include "builders/refine.hpp"
+#include "builders/set_error.hpp"
+#include "medial/adaptive_axis.hpp"
 #include "medial/cell_set.hpp"
 #include "medial/min_ball.hpp"
 #include "medial/morton.hpp"
@@ -35,33 +42,50 @@ using medial::SurfaceCell;
 // two balls then costs a few per cent of a radius (docs/error-metrics.md).
 constexpr double kSurfaceCellSize = 0.2;
 constexpr double kSolidCellSize = 0.35;
+// Where seams are cut later, coarser pieces will do.
+constexpr double kRefineCellSize = 0.4;
 
-/// What one node has to cover.
+// Surface points of the axis that the first region is refined from.
+constexpr std::uint32_t kCoarseSamples = 1000;
+
+// The number of balls that a stand-off takes goes with about this power of it (measured; a smooth surface has
+// 1).
+constexpr double kBallsPerStandOff = 1.5;
+// A ball may need this many times its share of the next level before that costs as much as being the worst.
+// Which is best differs from shape to shape, so passes differ in it.
+constexpr std::array<double, 4> kFairLoads{1.4, 1.2, 1.7, 1.1};
+// Worth more than any stand-off.
+constexpr double kDeeper = 1000;
+
+using Axis = std::shared_ptr<const medial::RegionAxis>;
+
+/// What one ball has to cover.
 struct Region {
   std::vector<SurfaceCell> surface;
   std::vector<AlignedBox3d> cubes;  // Cover::Solid only; the solid inside them
 };
 
-struct WorkNode {
-  Ball ball;
+/// A ball of a finished level.
+struct Node {
+  Fit fit;
   std::uint32_t parent = 0;
-  Region region;
 };
 
-struct NodeResult {
-  std::vector<WorkNode> children;
+/// A ball of the last level so far, with what the next one is made from.
+struct OpenNode {
+  Node node;
+  Region region;
+  Axis axis;  // of the region above, which this one's is refined from; null when no reducer wants any
+};
+
+/// What the reducers proposed for one node.
+struct Proposal {
+  std::vector<LevelBall> balls;  // pieces are numbers in the node's own list
+  std::vector<Piece> pieces;
+  Axis axis;
+  std::size_t winner = 0;
   bool refined = false;
 };
-
-void refineSurface(const SurfaceCell& cell, double size, std::vector<SurfaceCell>& out) {
-  if (medial::longestEdge(cell) <= size) {
-    out.push_back(cell);
-    return;
-  }
-  const auto [first, second] = medial::bisect(cell);
-  refineSurface(first, size, out);
-  refineSurface(second, size, out);
-}
 
 void refineSolid(const Surface& surface, const AlignedBox3d& cube, double size,
                  std::vector<medial::SolidCell>& out) {
@@ -74,135 +98,540 @@ void refineSolid(const Surface& surface, const AlignedBox3d& cube, double size,
   for (const AlignedBox3d& octant : medial::octants(cube)) refineSolid(surface, octant, size, out);
 }
 
-/// A radius that the children of a node can be expected to have: they share its surface.
-double expectedRadius(const Ball& ball, std::uint32_t branch) {
-  return ball.radius / std::sqrt(static_cast<double>(branch));
-}
-
-/// Hands every cell to the ball that needs to stick out least for it, drops balls that get none and shrinks
+/// Hands every piece to the ball that needs to stick out least for it, drops balls that get none and shrinks
 /// the others to what they got.
-std::vector<WorkNode> shareOut(const Surface& surface, const std::vector<SurfaceCell>& cells,
-                               const std::vector<medial::SolidCell>& solid, const CellSet& set,
-                               const std::vector<Ball>& balls) {
-  std::vector<double> depth(balls.size());
-  for (std::size_t b = 0; b < balls.size(); ++b) depth[b] = surface.depth(balls[b].center);
-  std::vector<WorkNode> nodes(balls.size());
-  std::vector<double> needed(balls.size(), -1);
-  for (std::size_t cell = 0; cell < set.size(); ++cell) {
-    std::size_t best = balls.size();
+std::vector<LevelBall> shareOut(const Surface& surface, const CellSet& set, const std::vector<Ball>& balls) {
+  std::vector<LevelBall> level(balls.size());
+  for (std::size_t b = 0; b < balls.size(); ++b) {
+    level[b].fit.center = probeDepth(surface, balls[b].center);
+    level[b].fit.reach = -1;
+  }
+  for (std::uint32_t piece = 0; piece < set.size(); ++piece) {
+    std::size_t best = 0;
     double bestStandOff = std::numeric_limits<double>::infinity();
     double bestReach = 0;
-    for (std::size_t b = 0; b < balls.size(); ++b) {
-      const double reach = std::sqrt(set.farthestSquared(cell, balls[b].center));
-      const double standOff = reach - depth[b];
-      if (standOff < bestStandOff) {
-        bestStandOff = standOff;
-        bestReach = reach;
-        best = b;
-      }
+    for (std::size_t b = 0; b < level.size(); ++b) {
+      const DepthProbe& center = level[b].fit.center;
+      const double reach = std::sqrt(set.farthestSquared(piece, center.at));
+      if (reach - center.depth >= bestStandOff) continue;
+      bestStandOff = reach - center.depth;
+      bestReach = reach;
+      best = b;
     }
-    needed[best] = std::max(needed[best], bestReach);
-    if (cell < cells.size()) {
-      nodes[best].region.surface.push_back(cells[cell]);
-    } else {
-      nodes[best].region.cubes.push_back(solid[cell - cells.size()].cube);
-    }
+    level[best].fit.reach = std::max(level[best].fit.reach, bestReach);
+    level[best].pieces.push_back(piece);
   }
-  std::vector<WorkNode> used;
-  for (std::size_t b = 0; b < balls.size(); ++b) {
-    if (needed[b] < 0) continue;
-    nodes[b].ball = {balls[b].center, needed[b]};
-    used.push_back(std::move(nodes[b]));
-  }
-  return used;
+  std::erase_if(level, [](const LevelBall& ball) { return ball.pieces.empty(); });
+  return level;
 }
 
-double worstOverhang(const Surface& surface, const std::vector<WorkNode>& nodes) {
-  double worst = -std::numeric_limits<double>::infinity();
-  for (const WorkNode& node : nodes) worst = std::max(worst, quickOverhang(surface, node.ball));
+std::vector<Ball> ballsOf(const std::vector<LevelBall>& level) {
+  std::vector<Ball> balls;
+  for (const LevelBall& ball : level) balls.push_back({ball.fit.center.at, ball.fit.reach});
+  return balls;
+}
+
+double worstOf(const std::vector<LevelBall>& level) {
+  double worst = 0;
+  for (const LevelBall& ball : level) worst = std::max(worst, ball.fit.standOff());
   return worst;
 }
 
-NodeResult expand(const Surface& surface, const BuildSettings& settings, const Reducer& reducer,
-                  WorkNode node, std::uint64_t seed, const medial::Context& context) {
-  const double overhang = quickOverhang(surface, node.ball);
-  if (overhang > settings.maxError * surface.diagonal()) {
-    const double radius = expectedRadius(node.ball, settings.branch);
-    std::vector<SurfaceCell> cells;
-    for (const SurfaceCell& cell : node.region.surface) refineSurface(cell, kSurfaceCellSize * radius, cells);
-    std::vector<medial::SolidCell> solid;
-    for (const AlignedBox3d& cube : node.region.cubes) {
-      refineSolid(surface, cube, kSolidCellSize * radius, solid);
+/// The region in pieces of about a fraction `size` of the balls that are expected to cover it.
+std::vector<Piece> piecesOf(const Surface& surface, const Region& region, double surfaceSize,
+                            double solidSize) {
+  std::vector<Piece> pieces = surfacePieces(region.surface, surfaceSize);
+  std::vector<medial::SolidCell> solid;
+  for (const AlignedBox3d& cube : region.cubes) refineSolid(surface, cube, solidSize, solid);
+  for (medial::SolidCell& cell : solid) {
+    Piece piece;
+    piece.cube = cell.cube;
+    piece.points = std::move(cell.points);
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
+}
+
+class LevelDriver {
+ public:
+  LevelDriver(const Surface& surface, const BuildSettings& settings, std::span<const NamedReducer> reducers,
+              const medial::Context& context)
+      : surface_(surface),
+        settings_(settings),
+        reducers_(reducers),
+        context_(context),
+        goodEnough_(settings.maxError * surface.diagonal()),
+        refine_(isOn(settings.refine)),
+        link_(isOn(settings.link)) {}
+
+  BallTree run() {
+    const bool foreseeing =
+        refine_ && link_ && settings_.levels > 2 && settings_.objective == Objective::Worst;
+    const BuildEffort effort = buildEffort(settings_.quality);
+    if (!foreseeing || !effort.sketch) {
+      build();
+      return tree();
     }
-    const CellSet set(cells, solid);
-    const std::vector<Ball> balls = reducer.reduce({surface, set, settings.branch, seed, context});
-    std::vector<WorkNode> children = shareOut(surface, cells, solid, set, balls);
-    if (worstOverhang(surface, children) < overhang) return {std::move(children), true};
+    sketching_ = true;
+    build();
+    sketching_ = false;
+    Levels forecast = std::move(levels_);
+    Levels best;
+    Winners bestWinners;
+    for (std::size_t pass = 0; pass < effort.passes; ++pass) {
+      pass_ = pass;
+      passes_ = effort.passes;
+      forecast_ = std::move(forecast);
+      fairLoad_ = kFairLoads[pass % kFairLoads.size()];
+      build();
+      if (best.empty() || score(levels_) < score(best)) {
+        best = levels_;
+        bestWinners = winners_;
+      }
+      forecast = std::move(levels_);
+    }
+    levels_ = std::move(best);
+    winners_ = std::move(bestWinners);
+    return tree();
   }
-  // Good enough, or nothing better was found: the ball stands for itself on the next level.
-  NodeResult same;
-  same.children.push_back(std::move(node));
-  return same;
-}
 
-WorkNode makeRoot(const Surface& surface, Cover cover) {
-  const medial::TriangleMesh& mesh = surface.mesh();
-  // Along a space-filling curve, and so for ever: cells next to each other in a list are near in space.
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Eigen::Vector3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
-    order.emplace_back(medial::mortonCode(middle, surface.bounds()), t);
+  /// What the children of the root are chosen from.
+  medial::MedialAxis rootAxis() {
+    makeRoot();
+    OpenNode& root = open_.front();
+    if (!root.axis) root.axis = coarseAxis();
+    const double radius = expectedRadius(root);
+    const CellSet set =
+        cellSetOf(piecesOf(surface_, root.region, kSurfaceCellSize * radius, kSolidCellSize * radius));
+    return axisOf(root, set).axis;
   }
-  std::sort(order.begin(), order.end());
-  WorkNode root;
-  std::vector<Eigen::Vector3d> points;
-  for (const auto& [code, t] : order) {
-    root.region.surface.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
-    points.insert(points.end(), root.region.surface.back().begin(), root.region.surface.back().end());
+
+ private:
+  using Levels = std::vector<std::vector<Node>>;
+  using Winners = std::vector<std::vector<std::pair<std::string, std::size_t>>>;
+
+  [[nodiscard]] BallTree tree() {
+    BallTree tree;
+    for (const std::vector<Node>& level : levels_) {
+      tree.levels.emplace_back();
+      for (const Node& node : level) {
+        tree.levels.back().push_back({{node.fit.center.at, node.fit.reach}, node.parent});
+      }
+    }
+    tree.winners = std::move(winners_);
+    return tree;
   }
-  if (cover == Cover::Solid) root.region.cubes.push_back(medial::solidRootCube(surface));
-  root.ball = medial::minBall(points);
-  return root;
-}
 
-}  // namespace
+  /// Sum over the levels of the logarithm of the worst stand-off: levels count alike, whatever their size.
+  /// More levels are better than fewer.
+  static double score(const Levels& levels) {
+    double sum = 0;
+    for (std::size_t l = 1; l < levels.size(); ++l) {
+      double worst = std::numeric_limits<double>::min();
+      for (const Node& node : levels[l]) worst = std::max(worst, node.fit.standOff());
+      sum += std::log(worst) - kDeeper;
+    }
+    return sum;
+  }
 
-BallTree buildByLevels(const Surface& surface, const BuildSettings& settings, std::string_view reducerName,
-                       const Reducer& reducer, const medial::Context& context) {
-  BallTree tree;
-  std::vector<WorkNode> level;
-  level.push_back(makeRoot(surface, settings.cover));
-  std::uint64_t nodesSoFar = 0;
-  for (std::uint32_t depth = 0;; ++depth) {
-    tree.levels.emplace_back();
-    for (const WorkNode& node : level) tree.levels.back().push_back({node.ball, node.parent});
-    if (depth == 0) tree.winners.emplace_back();
-    if (depth + 1 >= settings.levels) break;
+  void build() {
+    levels_.clear();
+    winners_.clear();
+    open_.clear();
+    nodesSoFar_ = 0;
+    makeRoot();
+    for (std::uint32_t depth = 1; depth < settings_.levels; ++depth) {
+      if (!addLevel(depth)) break;
+    }
+  }
 
-    std::vector<NodeResult> results(level.size());
-    std::atomic<std::size_t> finished{0};
-    medial::parallelFor(level.size(), context, [&](std::size_t i) {
-      const std::uint64_t seed = medial::Random(settings.seed, nodesSoFar + i).next();
-      results[i] = expand(surface, settings, reducer, std::move(level[i]), seed, context);
-      const double done = static_cast<double>(++finished) / static_cast<double>(level.size());
-      context.report("build", (depth + done) / (settings.levels - 1));
+  /// How many balls each piece will need on the level below `depth`, from what the sketch came to there:
+  /// balls are needed where it sticks out most. The sum is what the level may have.
+  void foresee(std::size_t depth, LevelProblem& problem) const {
+    if (depth + 1 >= forecast_.size()) return;
+    const std::vector<Node>& level = forecast_[depth + 1];
+    const std::size_t n = problem.pieces.size();
+    std::vector<std::uint32_t> nearest(n, 0);
+    std::vector<double> area(n, 0);
+    constexpr std::size_t kBlock = 256;
+    medial::parallelFor((n + kBlock - 1) / kBlock, context_, [&](std::size_t block) {
+      for (std::size_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
+        area[i] = areaOf(problem.pieces[i]);
+        const Eigen::Vector3d& p = problem.pieces[i].points.front();
+        double least = std::numeric_limits<double>::infinity();
+        for (std::uint32_t k = 0; k < level.size(); ++k) {
+          const DepthProbe& center = level[k].fit.center;
+          const double limit = least + center.depth;
+          if (limit < 0 || (p - center.at).squaredNorm() >= limit * limit) continue;
+          least = (p - center.at).norm() - center.depth;
+          nearest[i] = k;
+        }
+      }
     });
-    nodesSoFar += level.size();
+    std::vector<double> areaOfBall(level.size(), 0);
+    for (std::size_t i = 0; i < n; ++i) areaOfBall[nearest[i]] += area[i];
+    std::vector<double> need(level.size(), 0);
+    double sum = 0;
+    for (std::size_t k = 0; k < level.size(); ++k) {
+      if (!(areaOfBall[k] > 0)) continue;
+      need[k] = std::pow(std::max(0.0, level[k].fit.standOff()), kBallsPerStandOff);
+      sum += need[k];
+    }
+    if (!(sum > 0)) return;
+    const double wanted = std::pow(settings_.branch, static_cast<double>(depth + 1));
+    problem.loads.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      problem.loads[i] =
+          areaOfBall[nearest[i]] > 0 ? need[nearest[i]] / sum * wanted * area[i] / areaOfBall[nearest[i]] : 0;
+    }
+    problem.fairLoad = fairLoad_ * settings_.branch;
+  }
 
-    std::vector<WorkNode> next;
-    std::size_t refined = 0;
-    for (std::uint32_t i = 0; i < results.size(); ++i) {
-      refined += results[i].refined ? 1U : 0U;
-      for (WorkNode& child : results[i].children) {
-        child.parent = i;
+  [[nodiscard]] bool isOn(Toggle toggle) const {
+    return toggle == Toggle::Auto ? settings_.builder == "combined" : toggle == Toggle::On;
+  }
+
+  void makeRoot() {
+    const medial::TriangleMesh& mesh = surface_.mesh();
+    // Along a space-filling curve, and so for ever: cells next to each other in a list are near in space.
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const Eigen::Vector3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+      order.emplace_back(medial::mortonCode(middle, surface_.bounds()), t);
+    }
+    std::sort(order.begin(), order.end());
+    OpenNode root;
+    std::vector<Eigen::Vector3d> points;
+    for (const auto& [code, t] : order) {
+      root.region.surface.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
+      points.insert(points.end(), root.region.surface.back().begin(), root.region.surface.back().end());
+    }
+    if (settings_.cover == Cover::Solid) root.region.cubes.push_back(medial::solidRootCube(surface_));
+    const Ball ball = medial::minBall(points);
+    root.node.fit = {probeDepth(surface_, ball.center), ball.radius};
+    if (std::any_of(reducers_.begin(), reducers_.end(),
+                    [](const NamedReducer& named) { return named.reducer->wantsAxis(); })) {
+      root.axis = coarseAxis();
+    }
+    levels_.push_back({root.node});
+    winners_.emplace_back();
+    open_.push_back(std::move(root));
+  }
+
+  [[nodiscard]] Axis coarseAxis() const {
+    return std::make_shared<const medial::RegionAxis>(medial::coarseAxis(surface_, kCoarseSamples, context_));
+  }
+
+  /// The axis of a node's region, which `set` holds in pieces. Requires node.axis.
+  [[nodiscard]] medial::RegionAxis axisOf(const OpenNode& node, const CellSet& set) const {
+    const double overhang = node.node.fit.standOff();
+    return medial::refineAxis(surface_, *node.axis, set,
+                              {settings_.axis.error * overhang, settings_.axis.leastBalls}, context_);
+  }
+
+  /// False when no ball could be improved: then there is no such level.
+  bool addLevel(std::uint32_t depth) {
+    std::vector<Proposal> proposals(open_.size());
+    std::atomic<std::size_t> finished{0};
+    const auto progress = [&](double done) {
+      const double pass = (depth - 1 + done) / (settings_.levels - 1);
+      context_.report("build",
+                      sketching_ ? 0 : (static_cast<double>(pass_) + pass) / static_cast<double>(passes_));
+    };
+    medial::parallelFor(open_.size(), context_, [&](std::size_t i) {
+      const std::uint64_t seed = medial::Random(settings_.seed, nodesSoFar_ + i).next();
+      proposals[i] = propose(open_[i], seed);
+      if (refine_ && !link_) refineAlone(open_[i], proposals[i], seed);
+      const double done = static_cast<double>(++finished) / static_cast<double>(open_.size());
+      progress(refine_ && link_ ? done / 2 : done);
+    });
+    nodesSoFar_ += open_.size();
+    if (refine_ && link_) refineTogether(proposals);
+    return takeOver(proposals);
+  }
+
+  Proposal propose(const OpenNode& node, std::uint64_t seed) const {
+    Proposal best;
+    const double overhang = node.node.fit.standOff();
+    if (overhang > goodEnough_) {
+      const double radius = expectedRadius(node);
+      best.pieces = piecesOf(surface_, node.region, kSurfaceCellSize * radius, kSolidCellSize * radius);
+      const CellSet set = cellSetOf(best.pieces);
+      medial::RegionAxis own;
+      if (node.axis) {
+        own = axisOf(node, set);
+      }
+      best.axis = node.axis ? std::make_shared<const medial::RegionAxis>(std::move(own)) : nullptr;
+      const medial::MedialAxis none;
+      SetError least;
+      for (std::size_t r = 0; r < reducers_.size(); ++r) {
+        const std::vector<Ball> balls =
+            reducers_[r].reducer->reduce({surface_, set, best.axis ? best.axis->axis : none, settings_.branch,
+                                          goodEnough_, settings_.objective, seed, context_});
+        std::vector<LevelBall> level = shareOut(surface_, set, balls);
+        const SetError error = setError(surface_, ballsOf(level), settings_.objective);
+        if (!best.balls.empty() && !(error < least)) continue;
+        least = error;
+        best.balls = std::move(level);
+        best.winner = r;
+      }
+      best.refined = worstOf(best.balls) < overhang;
+    }
+    if (!best.refined) repeat(node, best);
+    return best;
+  }
+
+  /// Good enough, or nothing better was found: the ball stands for itself on the next level.
+  void repeat(const OpenNode& node, Proposal& proposal) const {
+    proposal.pieces = piecesOf(surface_, node.region, std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::infinity());
+    LevelBall same;
+    same.fit = node.node.fit;
+    for (std::uint32_t i = 0; i < proposal.pieces.size(); ++i) same.pieces.push_back(i);
+    proposal.balls = {std::move(same)};
+    proposal.axis = node.axis;
+    proposal.refined = false;
+  }
+
+  [[nodiscard]] double expectedRadius(const OpenNode& node) const {
+    return node.node.fit.reach / std::sqrt(static_cast<double>(settings_.branch));
+  }
+
+  static CellSet cellSetOf(const std::vector<Piece>& pieces) {
+    std::vector<medial::SolidCell> cells;
+    for (const Piece& piece : pieces) cells.push_back({piece.cube, piece.points});
+    return CellSet({}, cells);
+  }
+
+  [[nodiscard]] RefineRequest requestFor(std::uint64_t seed) const {
+    RefineEffort effort = refineEffort(settings_.quality);
+    if (sketching_) effort = sketchEffort();
+    return {surface_, settings_.objective, goodEnough_, effort, seed, context_};
+  }
+
+  void refineAlone(const OpenNode& node, Proposal& proposal, std::uint64_t seed) const {
+    if (!proposal.refined) return;
+    LevelProblem problem;
+    problem.branch = settings_.branch;
+    const double radius = expectedRadius(node);
+    problem.pieces = piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius);
+    problem.allowed.assign(problem.pieces.size(), {0});
+    proposal.balls = refineLevel(problem, std::move(proposal.balls), requestFor(seed));
+    proposal.pieces = std::move(problem.pieces);
+    if (!(worstOf(proposal.balls) < node.node.fit.standOff())) repeat(node, proposal);
+  }
+
+  /// The nodes of the last level whose ball, grown to the stand-off of the worst of its level, holds the
+  /// piece, and whose ancestors do as well.
+  [[nodiscard]] std::vector<std::uint32_t> holders(const Piece& piece,
+                                                   const std::vector<std::vector<std::uint32_t>>& children,
+                                                   const std::vector<double>& caps) const {
+    std::vector<std::uint32_t> now{0};
+    std::size_t base = 1;  // number of the first node of the level in `children`'s numbering
+    std::size_t above = 0;
+    for (std::size_t l = 1; l < levels_.size(); ++l) {
+      std::vector<std::uint32_t> next;
+      for (const std::uint32_t n : now) {
+        for (const std::uint32_t child : children[above + n]) {
+          const Fit& fit = levels_[l][child].fit;
+          const double radius = std::max(fit.reach, fit.center.depth + caps[l]);
+          const bool holds = std::all_of(piece.points.begin(), piece.points.end(), [&](const auto& p) {
+            return (p - fit.center.at).squaredNorm() <= radius * radius;
+          });
+          if (holds) next.push_back(child);
+        }
+      }
+      above = base;
+      base += levels_[l].size();
+      now = std::move(next);
+    }
+    return now;
+  }
+
+  void refineTogether(std::vector<Proposal>& proposals) {
+    LevelProblem problem;
+    problem.branch = settings_.branch;
+    problem.parents = open_.size();
+    std::vector<std::uint32_t> home;  // of each piece
+    for (std::uint32_t i = 0; i < open_.size(); ++i) {
+      const double radius = expectedRadius(open_[i]);
+      std::vector<Piece> pieces =
+          piecesOf(surface_, open_[i].region, kRefineCellSize * radius, kSolidCellSize * radius);
+      home.insert(home.end(), pieces.size(), i);
+      std::move(pieces.begin(), pieces.end(), std::back_inserter(problem.pieces));
+    }
+    if (!sketching_) foresee(levels_.size(), problem);
+    std::vector<std::vector<std::uint32_t>> children;
+    for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
+      const std::size_t first = children.size();
+      children.resize(first + levels_[l].size());
+      for (std::uint32_t n = 0; n < levels_[l + 1].size(); ++n) {
+        children[first + levels_[l + 1][n].parent].push_back(n);
+      }
+    }
+    std::vector<double> caps(levels_.size(), 0);
+    for (std::size_t l = 1; l < levels_.size(); ++l) {
+      // Room up to the worst of the level costs nothing where the worst is what counts.
+      if (settings_.objective != Objective::Worst) {
+        caps[l] = -std::numeric_limits<double>::infinity();
+        continue;
+      }
+      for (const Node& node : levels_[l]) caps[l] = std::max(caps[l], node.fit.standOff());
+    }
+    problem.allowed.resize(problem.pieces.size());
+    medial::parallelFor(problem.pieces.size(), context_, [&](std::size_t i) {
+      std::vector<std::uint32_t>& allowed = problem.allowed[i];
+      allowed = holders(problem.pieces[i], children, caps);
+      const auto at = std::lower_bound(allowed.begin(), allowed.end(), home[i]);
+      if (at == allowed.end() || *at != home[i]) allowed.insert(at, home[i]);
+    });
+    if (problem.parents > 1) {
+      problem.allowedPart = [&](const Piece& part, const std::vector<std::uint32_t>& whole) {
+        std::vector<std::uint32_t> result = holders(part, children, caps);
+        std::vector<std::uint32_t> both;
+        std::set_union(result.begin(), result.end(), whole.begin(), whole.end(), std::back_inserter(both));
+        return both;
+      };
+    }
+    std::vector<LevelBall> balls;
+    for (std::uint32_t i = 0; i < proposals.size(); ++i) {
+      for (LevelBall& ball : proposals[i].balls) {
+        ball.parent = i;
+        balls.push_back(std::move(ball));
+      }
+      proposals[i].balls.clear();
+      proposals[i].pieces.clear();
+    }
+    // The reducers' own sets are what refinement must beat; crowding may have been given too much for that.
+    const double given = worstOf(balls);
+    LevelProblem plain = problem;
+    std::vector<LevelBall> refined = refineLevel(problem, balls, requestFor(settings_.seed + nodesSoFar_));
+    if (worstOf(refined) > given && !plain.loads.empty()) {
+      plain.loads.clear();
+      refined = refineLevel(plain, std::move(balls), requestFor(settings_.seed + nodesSoFar_));
+      problem = std::move(plain);
+    }
+    balls = std::move(refined);
+    for (LevelBall& ball : balls) {
+      Proposal& proposal = proposals[ball.parent];
+      for (std::uint32_t& piece : ball.pieces) {
+        proposal.pieces.push_back(std::move(problem.pieces[piece]));
+        piece = static_cast<std::uint32_t>(proposal.pieces.size() - 1);
+      }
+      proposal.balls.push_back(std::move(ball));
+    }
+  }
+
+  bool takeOver(std::vector<Proposal>& proposals) {
+    std::vector<std::size_t> wins(reducers_.size(), 0);
+    bool refined = false;
+    std::vector<OpenNode> next;
+    levels_.emplace_back();
+    for (std::uint32_t i = 0; i < proposals.size(); ++i) {
+      Proposal& proposal = proposals[i];
+      if (proposal.refined) {
+        ++wins[proposal.winner];
+        refined = true;
+      }
+      for (LevelBall& ball : proposal.balls) {
+        OpenNode child;
+        child.node = {ball.fit, i};
+        child.axis = proposal.axis;
+        for (const std::uint32_t piece : ball.pieces) {
+          Piece& p = proposal.pieces[piece];
+          if (p.triangles.empty()) {
+            child.region.cubes.push_back(p.cube);
+          } else {
+            std::move(p.triangles.begin(), p.triangles.end(), std::back_inserter(child.region.surface));
+          }
+        }
+        levels_.back().push_back(child.node);
         next.push_back(std::move(child));
       }
     }
-    if (refined == 0) break;
-    tree.winners.push_back({{std::string(reducerName), refined}});
-    level = std::move(next);
+    if (!refined) {
+      levels_.pop_back();
+      return false;
+    }
+    winners_.emplace_back();
+    for (std::size_t r = 0; r < reducers_.size(); ++r) {
+      if (wins[r] > 0) winners_.back().emplace_back(std::string(reducers_[r].name), wins[r]);
+    }
+    open_ = std::move(next);
+    if (link_ && refine_) settleAncestors();
+    return true;
   }
-  return tree;
+
+  /// Linking hands pieces across the borders of the levels above: balls left without children go, the others
+  /// are fitted to what they have now.
+  void settleAncestors() {
+    std::vector<PointBlock> points(open_.size());
+    for (std::size_t i = 0; i < open_.size(); ++i) {
+      for (const SurfaceCell& cell : open_[i].region.surface) {
+        for (const Eigen::Vector3d& p : cell) points[i].push(p);
+      }
+      for (const AlignedBox3d& cube : open_[i].region.cubes) {
+        for (const Eigen::Vector3d& p : medial::solidPoints(surface_, cube, surface_.trianglesNear(cube))) {
+          points[i].push(p);
+        }
+      }
+    }
+    for (std::size_t l = levels_.size() - 1; l-- > 1;) {
+      std::vector<Node>& above = levels_[l];
+      std::vector<Node>& below = levels_[l + 1];
+      std::vector<PointBlock> joined(above.size());
+      for (std::size_t i = 0; i < below.size(); ++i) {
+        PointBlock& to = joined[below[i].parent];
+        to.x.insert(to.x.end(), points[i].x.begin(), points[i].x.end());
+        to.y.insert(to.y.end(), points[i].y.begin(), points[i].y.end());
+        to.z.insert(to.z.end(), points[i].z.begin(), points[i].z.end());
+      }
+      std::vector<std::uint32_t> number(above.size(), 0);
+      std::vector<Node> kept;
+      points.clear();
+      for (std::size_t i = 0; i < above.size(); ++i) {
+        number[i] = static_cast<std::uint32_t>(kept.size());
+        if (joined[i].size() == 0) continue;
+        kept.push_back(above[i]);
+        points.push_back(std::move(joined[i]));
+      }
+      for (Node& node : below) node.parent = number[node.parent];
+      above = std::move(kept);
+      medial::parallelFor(above.size(), context_, [&](std::size_t i) {
+        above[i].fit = fitBall(surface_, points[i], above[i].fit.center, refineEffort(settings_.quality).fit);
+      });
+    }
+    for (std::size_t i = 0; i < open_.size(); ++i) open_[i].node = levels_.back()[i];
+  }
+
+  const Surface& surface_;
+  const BuildSettings& settings_;
+  std::span<const NamedReducer> reducers_;
+  const medial::Context& context_;
+  double goodEnough_;  // mesh units
+  bool refine_;
+  bool link_;
+  bool sketching_ = false;  // a first, rough tree, to learn where the balls will be needed
+  Levels forecast_;         // what the level below is expected to be like
+  double fairLoad_ = 1;
+  std::size_t pass_ = 0;
+  std::size_t passes_ = 1;
+  Levels levels_;
+  std::vector<OpenNode> open_;  // the last of levels_
+  Winners winners_;
+  std::uint64_t nodesSoFar_ = 0;
+};
+
+}  // namespace
+
+BallTree buildByLevels(const Surface& surface, const BuildSettings& settings,
+                       std::span<const NamedReducer> reducers, const medial::Context& context) {
+  return LevelDriver(surface, settings, reducers, context).run();
+}
+
+medial::MedialAxis rootAxis(const Surface& surface, const BuildSettings& settings,
+                            const medial::Context& context) {
+  return LevelDriver(surface, settings, {}, context).rootAxis();
 }
 
 }  // namespace spheretree::builders

@@ -9,6 +9,7 @@
 #include "medial/ball.hpp"
 #include "medial/cell_set.hpp"
 #include "medial/context.hpp"
+#include "medial/medial_axis.hpp"
 #include "medial/surface.hpp"
 
 namespace spheretree::builders {
@@ -17,7 +18,10 @@ namespace spheretree::builders {
 struct ReduceRequest {
   const medial::Surface& surface;
   const medial::CellSet& cells;
+  const medial::MedialAxis& axis;  ///< refined for this region; empty when the reducer does not want one
   std::uint32_t maxBalls;
+  double goodEnough;  ///< overhang, mesh units: fewer balls are better than less overhang than this; 0: never
+  Objective objective;
   std::uint64_t seed;
   const medial::Context& context;
 };
@@ -30,9 +34,24 @@ class Reducer {
   Reducer& operator=(const Reducer&) = delete;
   virtual ~Reducer() = default;
 
+  /// Whether requests must carry a medial axis.
+  [[nodiscard]] virtual bool wantsAxis() const { return false; }
+
   /// Between one and maxBalls balls; each cell lies wholly in one of them. Any number of threads at once.
   [[nodiscard]] virtual std::vector<medial::Ball> reduce(const ReduceRequest& request) const = 0;
 };
+
+/// Greedy merging of the balls of the region's medial axis, merge.cpp.
+[[nodiscard]] std::unique_ptr<Reducer> makeMergeReducer();
+
+/// Removal of the ball whose neighbours pay least for it, burst.cpp.
+[[nodiscard]] std::unique_ptr<Reducer> makeBurstReducer();
+
+/// One stand-off for all balls, the least with which few enough cover, expand.cpp.
+[[nodiscard]] std::unique_ptr<Reducer> makeExpandReducer();
+
+/// As expand, with balls grown where something is uncovered, spawn.cpp.
+[[nodiscard]] std::unique_ptr<Reducer> makeSpawnReducer();
 
 /// Optimised grids, grid.cpp.
 [[nodiscard]] std::unique_ptr<Reducer> makeGridReducer(const GridSettings& settings);

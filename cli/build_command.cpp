@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "builders/build_tree.hpp"
+#include "builders/settings_use.hpp"
 #include "cli/command.hpp"
 #include "cli/console.hpp"
 #include "cli/interrupt.hpp"
@@ -19,6 +21,8 @@
 #include "cli/outputs.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/solid_input.hpp"
+#include "io/medial_dump.hpp"
+#include "io/report_parts.hpp"
 #include "io/tree_files.hpp"
 
 namespace spheretree::cli {
@@ -34,6 +38,7 @@ struct BuildOptions {
   std::string mesh;
   std::string output;
   std::vector<std::string> reports;
+  std::string medialDump;  // empty: none
   builders::BuildSettings settings;
   io::Repair repair = io::Repair::Auto;
   io::Overwrite overwrite = io::Overwrite::Refuse;
@@ -46,6 +51,7 @@ struct BuildOptions {
 std::vector<fs::path> outputPaths(const BuildOptions& options) {
   std::vector<fs::path> paths{options.output};
   paths.insert(paths.end(), options.reports.begin(), options.reports.end());
+  if (!options.medialDump.empty()) paths.emplace_back(options.medialDump);
   return paths;
 }
 
@@ -70,12 +76,40 @@ std::string describeCertificate(const BuildReport& report) {
          std::to_string(effort.deepest) + "\n";
 }
 
+/// "combined of merge, expand: branch 8, 4 levels, seed 1, quality normal, refined, linked"
+std::string describeSettings(const BuildResult& build) {
+  const builders::BuildSettings& settings = build.report.settings;
+  const std::vector<std::string_view> reducers = builders::reducersInUse(settings);
+  std::string text = settings.builder;
+  if (settings.builder == "combined") {
+    for (std::size_t k = 0; k < reducers.size(); ++k)
+      text += (k == 0 ? " of " : ", ") + std::string(reducers[k]);
+  }
+  text += ": branch " + std::to_string(settings.branch) + ", " +
+          counted(build.tree.levelCount(), "level", "levels") + ", seed " + std::to_string(settings.seed);
+  if (builders::refines(settings)) text += ", quality " + io::qualityName(settings.quality) + ", refined";
+  if (builders::links(settings)) text += ", linked";
+  return text;
+}
+
+/// "merge 3, expand 5" for every level; nothing when there was no competition.
+std::vector<std::string> setsWon(const BuildReport& report) {
+  std::vector<std::string> texts;
+  if (report.settings.builder != "combined") return texts;
+  for (const builders::LevelReport& level : report.levels) {
+    std::string text;
+    for (const auto& [name, sets] : level.winners)
+      text += (text.empty() ? "" : ", ") + name + " " + std::to_string(sets);
+    texts.push_back(std::move(text));
+  }
+  return texts;
+}
+
 std::string summary(const BuildResult& build, const io::Provenance& provenance, const BuildOptions& options,
                     double diagonal) {
   const builders::BuildSettings& settings = build.report.settings;
   std::string text = describeMesh(provenance);
-  text += settings.builder + ": branch " + std::to_string(settings.branch) + ", " +
-          counted(build.tree.levelCount(), "level", "levels") + ", seed " + std::to_string(settings.seed);
+  text += describeSettings(build);
   if (build.tree.levelCount() < settings.levels) {
     const bool met = settings.maxError > 0 && build.report.errorBoundMet;
     text += " (of " + std::to_string(settings.levels) +
@@ -84,7 +118,7 @@ std::string summary(const BuildResult& build, const io::Provenance& provenance, 
   text += "\n";
   std::vector<const builders::LevelMetrics*> levels;
   for (const builders::LevelReport& level : build.report.levels) levels.push_back(&level.metrics);
-  text += levelTable(levels, diagonal) + describeCertificate(build.report);
+  text += levelTable(levels, diagonal, setsWon(build.report)) + describeCertificate(build.report);
   for (const fs::path& path : outputPaths(options)) text += "wrote " + path.string() + "\n";
   return text;
 }
@@ -124,8 +158,14 @@ ExitCode runBuild(const BuildOptions& options) {
   if (!build) return fail({build.error().code, options.mesh + ": " + build.error().message});
   if (options.verbosity == Verbosity::Verbose) remarkTimes(build->report);
 
-  const Result<std::vector<Output>> outputs = format(*build, provenance, options);
+  Result<std::vector<Output>> outputs = format(*build, provenance, options);
   if (!outputs) return fail({outputs.error().code, options.output + ": " + outputs.error().message});
+  if (!options.medialDump.empty()) {
+    const Result<medial::MedialAxis> axis =
+        builders::rootMedialAxis(input->surface, options.settings, context);
+    if (!axis) return fail({axis.error().code, options.mesh + ": " + axis.error().message});
+    outputs->push_back({options.medialDump, io::formatMedialAxis(*axis)});
+  }
   if (context.cancelled()) return fail({ErrorCode::Cancelled, options.mesh + ": cancelled"});
   if (const Result<Done> written = writeOutputs(outputs.value(), options.overwrite); !written)
     return fail(written.error());
@@ -153,6 +193,11 @@ Command setupBuild(CLI::App& program) {
       ->configurable(false)
       ->group("Output");
   addReports(*app, options->reports)->group("Output");
+  app->add_option("--dump-medial", options->medialDump,
+                  "Also write the balls of the medial axis of everything")
+      ->type_name("FILE.ply")
+      ->configurable(false)
+      ->group("Output");
   addForce(*app, options->overwrite)->group("Output");
   addThreads(*app, options->threads)->configurable()->group("Run");
   addVerbosity(*app, options->verbosity);

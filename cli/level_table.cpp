@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdio>
+#include <utility>
+#include <vector>
 
 #include "cli/console.hpp"
 #include "cli/text_table.hpp"
@@ -31,23 +33,26 @@ std::string coverText(bool certified, double uncovered) {
 
 }  // namespace
 
-std::string levelTable(std::span<const builders::LevelMetrics* const> levels, double diagonal) {
-  TextTable table({{"level"},
-                   {"spheres"},
-                   {"worst %"},
-                   {"mean %"},
-                   {"worst"},
-                   {"mean"},
-                   {"volume ratio"},
-                   {"surface covered"},
-                   {"solid covered"}});
+std::string levelTable(std::span<const builders::LevelMetrics* const> levels, double diagonal,
+                       std::span<const std::string> setsWon) {
+  std::vector<TextTable::Column> columns{{"level"},        {"spheres"},         {"worst %"},
+                                         {"mean %"},       {"worst"},           {"mean"},
+                                         {"volume ratio"}, {"surface covered"}, {"solid covered"}};
+  if (!setsWon.empty()) columns.push_back({"sets won", TextTable::Align::Left});
+  TextTable table(std::move(columns));
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const builders::LevelMetrics& m = *levels[k];
-    table.add({std::to_string(k), std::to_string(m.spheres), percentOf(m.overhangWorst.upper, diagonal),
-               percentOf(m.overhangMean, diagonal), shortNumber(m.overhangWorst.upper, kLengthDigits),
-               shortNumber(m.overhangMean, kLengthDigits), fixed(m.volumeRatio, 3),
-               coverText(m.surface.certified, m.surface.uncovered.upper),
-               coverText(m.solid.certified, m.solid.uncovered.upper)});
+    std::vector<std::string> cells{std::to_string(k),
+                                   std::to_string(m.spheres),
+                                   percentOf(m.overhangWorst.upper, diagonal),
+                                   percentOf(m.overhangMean, diagonal),
+                                   shortNumber(m.overhangWorst.upper, kLengthDigits),
+                                   shortNumber(m.overhangMean, kLengthDigits),
+                                   fixed(m.volumeRatio, 3),
+                                   coverText(m.surface.certified, m.surface.uncovered.upper),
+                                   coverText(m.solid.certified, m.solid.uncovered.upper)};
+    if (!setsWon.empty()) cells.push_back(setsWon[k]);
+    table.add(std::move(cells));
   }
   return "overhang: in % of the diagonal, then in mesh units\n" + table.text();
 }

@@ -8,16 +8,19 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
 #include "builders/catalogue.hpp"
+#include "builders/settings_use.hpp"
 #include "io/report_parts.hpp"
 
 namespace spheretree::cli {
@@ -28,12 +31,22 @@ using builders::SettingLimits;
 
 constexpr std::array kCoverNames{Named<builders::Cover>{"surface", builders::Cover::Surface},
                                  Named<builders::Cover>{"solid", builders::Cover::Solid}};
+constexpr std::array kQualityNames{Named<builders::Quality>{"fast", builders::Quality::Fast},
+                                   Named<builders::Quality>{"normal", builders::Quality::Normal},
+                                   Named<builders::Quality>{"best", builders::Quality::Best}};
+constexpr std::array kObjectiveNames{Named<builders::Objective>{"worst", builders::Objective::Worst},
+                                     Named<builders::Objective>{"mean", builders::Objective::Mean},
+                                     Named<builders::Objective>{"volume", builders::Objective::Volume}};
+constexpr std::array kToggleNames{Named<builders::Toggle>{"auto", builders::Toggle::Auto},
+                                  Named<builders::Toggle>{"on", builders::Toggle::On},
+                                  Named<builders::Toggle>{"off", builders::Toggle::Off}};
 constexpr std::array kRepairRules{io::Repair::Off, io::Repair::Orient, io::Repair::Fill, io::Repair::Wrap,
                                   io::Repair::Auto};
 constexpr unsigned kMostThreads = 1024;  // more than any machine has; stops a slip of the finger
 // Far beyond what helps: another two slips of the finger.
 constexpr std::uint32_t kMostSamples = 10'000'000;
 constexpr std::uint32_t kMostOrientations = 100'000;
+constexpr std::uint32_t kMostAxisBalls = 1'000'000;
 
 /// A whole number between `least` and `most`, which the help shows. (CLI11's own conversion takes -1 for the
 /// largest number there is.)
@@ -55,12 +68,50 @@ CLI::Option* addNumber(CLI::App& app, const std::string& flag, Number& target, N
       ->capture_default_str();
 }
 
-/// Only one builder looks at these.
+/// A setting that some builds do not look at.
 struct OwnSetting {
   const char* name;
-  const char* builder;
+  const char* owners;  ///< in words, for the sentence that refuses it
+  bool (*used)(const BuildSettings&);
 };
-constexpr std::array kOwnSettings{OwnSetting{"samples", "hubbard"}, OwnSetting{"orientations", "grid"}};
+
+bool usesReducer(const BuildSettings& settings, std::string_view reducer) {
+  const std::vector<std::string_view> names = builders::reducersInUse(settings);
+  return std::find(names.begin(), names.end(), reducer) != names.end();
+}
+bool usesReducers(const BuildSettings& settings) {
+  return !builders::reducersInUse(settings).empty();
+}
+bool usesHubbard(const BuildSettings& settings) {
+  return usesReducer(settings, "hubbard");
+}
+bool usesGrid(const BuildSettings& settings) {
+  return usesReducer(settings, "grid");
+}
+bool isCombined(const BuildSettings& settings) {
+  return settings.builder == "combined";
+}
+
+constexpr const char* kWithReducers = "builders with reducers";
+constexpr const char* kOnAxis = "merge, burst and expand";
+constexpr std::array kOwnSettings{OwnSetting{"quality", kWithReducers, &usesReducers},
+                                  OwnSetting{"objective", kWithReducers, &usesReducers},
+                                  OwnSetting{"refine", kWithReducers, &usesReducers},
+                                  OwnSetting{"link", kWithReducers, &usesReducers},
+                                  OwnSetting{"reducers", "combined", &isCombined},
+                                  OwnSetting{"axis-error", kOnAxis, &builders::usesAxis},
+                                  OwnSetting{"axis-balls", kOnAxis, &builders::usesAxis},
+                                  OwnSetting{"samples", "hubbard", &usesHubbard},
+                                  OwnSetting{"orientations", "grid", &usesGrid}};
+
+/// How the builder was asked for, as far as it matters to a setting of another one.
+std::string chosenBuilder(const BuildSettings& settings) {
+  if (!isCombined(settings)) return settings.builder;
+  std::string names;
+  for (const std::string_view name : builders::reducersInUse(settings))
+    names += (names.empty() ? "" : ",") + std::string(name);
+  return "combined of " + names;
+}
 
 /// "section.key", or "[section]" for the items that stand for its beginning and its end.
 std::string nameOf(const CLI::ConfigItem& item) {
@@ -81,7 +132,8 @@ void readConfig(CLI::App& app, ConfigFile& config, const std::string& path) {
     if (!config.keys.insert(item.name).second) {
       throw CLI::ConfigError(path + ": the setting '" + item.name + "' is given twice");
     }
-    if (option->empty()) option->add_result(item.inputs);  // the command line wins
+    // A list is one value here, as on the command line, which wins.
+    if (option->empty()) option->add_result(CLI::detail::join(item.inputs, ","));
   }
 }
 
@@ -98,6 +150,76 @@ std::string whyNoFraction(const std::string& text) {
   const bool number = code == std::errc{} && end == text.data() + text.size();
   if (number && value >= 0 && value <= 1) return {};
   return "'" + text + "' is not a fraction in [0, 1]";
+}
+
+std::string whyNotPositive(const std::string& text) {
+  double value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool number = code == std::errc{} && end == text.data() + text.size();
+  if (number && value > 0 && std::isfinite(value)) return {};
+  return "'" + text + "' is not a number above 0";
+}
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return text;
+}
+
+/// The words of a list, in lower case and without the blanks around them.
+std::vector<std::string> wordsOf(const std::string& list) {
+  std::vector<std::string> words = CLI::detail::split(list, ',');
+  for (std::string& word : words) word = lowerCase(CLI::detail::trim_copy(word));
+  return words;
+}
+
+CLI::Option* addReducers(CLI::App& app, std::vector<std::string>& reducers) {
+  const auto choose = [&reducers](const std::string& list) { reducers = wordsOf(list); };
+  const auto check = [](const std::string& list) {
+    const std::vector<std::string> words = wordsOf(list);
+    if (const std::string reason = builders::whyNoReducers(words); !reason.empty())
+      throw CLI::ValidationError(reason);
+    return CLI::detail::join(words, ",");
+  };
+  return app
+      .add_option_function<std::string>("--reducers", choose,
+                                        "combined: the reducers that compete for every set of balls")
+      ->transform(check)
+      ->type_name("NAME,..")
+      ->default_str(CLI::detail::join(reducers, ","));
+}
+
+/// What decides how much is tried for a tree.
+void addEffort(CLI::App& app, BuildSettings& settings) {
+  const std::vector<CLI::Option*> options = {
+      addChoice(app, "--quality", settings.quality, kQualityNames, "How much work goes into the refinement"),
+      addChoice(app, "--objective", settings.objective, kObjectiveNames,
+                "What is to be small: the worst overhang, the mean one, or the volume of the balls"),
+      addChoice(app, "--refine", settings.refine, kToggleNames,
+                "Refine what the reducers made; auto: for combined only"),
+      addChoice(app, "--link", settings.link, kToggleNames,
+                "Refine a level as one, across the seams of the level above; needs refine; auto: for "
+                "combined only")};
+  for (CLI::Option* option : options) option->configurable()->group("Tree");
+}
+
+/// Settings of one builder, or of a few.
+void addOwnSettings(CLI::App& app, BuildSettings& settings) {
+  const std::vector<CLI::Option*> own = {
+      addReducers(app, settings.combined.reducers),
+      app.add_option("--axis-error", settings.axis.error,
+                     "merge, burst, expand: refine the medial axis of a region until no ball of it sticks "
+                     "out by more than this fraction of what the ball above does")
+          ->type_name("NUMBER above 0")
+          ->check(whyNotPositive)
+          ->capture_default_str(),
+      addNumber(app, "--axis-balls", settings.axis.leastBalls, std::uint32_t{0}, kMostAxisBalls,
+                "merge, burst, expand: and until the region has as many balls"),
+      addNumber(app, "--samples", settings.hubbard.samples, SettingLimits::kLeastSamples, kMostSamples,
+                "hubbard: surface samples for the medial axis; more is tighter and slower"),
+      addNumber(app, "--orientations", settings.grid.orientations, std::uint32_t{0}, kMostOrientations,
+                "grid: orientations tried per ball besides the axes of the mesh")};
+  for (CLI::Option* option : own) option->configurable()->group("Of some builders");
 }
 
 }  // namespace
@@ -161,23 +283,21 @@ void addSettings(CLI::App& app, BuildSettings& settings) {
       addNumber(app, "--seed", settings.seed, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max(),
                 "Feeds every random choice: same seed, same bytes")};
   for (CLI::Option* option : options) option->configurable()->group("Tree");
-  const std::vector<CLI::Option*> own = {
-      addNumber(app, "--samples", settings.hubbard.samples, SettingLimits::kLeastSamples, kMostSamples,
-                "hubbard: surface samples for the medial axis; more is tighter and slower"),
-      addNumber(app, "--orientations", settings.grid.orientations, std::uint32_t{0}, kMostOrientations,
-                "grid: orientations tried per ball besides the axes of the mesh")};
-  for (CLI::Option* option : own) option->configurable()->group("Of one builder");
+  addEffort(app, settings);
+  addOwnSettings(app, settings);
 }
 
 void checkSettings(const CLI::App& app, const BuildSettings& settings, const ConfigFile& config) {
   for (const OwnSetting& own : kOwnSettings) {
     const std::string flag = std::string("--") + own.name;
     const bool typed = app.count(flag) > 0 && config.keys.count(own.name) == 0;
-    if (typed && settings.builder != own.builder) {
+    if (typed && !own.used(settings)) {
       throw CLI::ValidationError(
-          flag, std::string("belongs to --builder ") + own.builder + ", not " + settings.builder);
+          flag, std::string("belongs to ") + own.owners + ", not " + chosenBuilder(settings));
     }
   }
+  if (const std::string reason = builders::whyInvalid(settings); !reason.empty())
+    throw CLI::ValidationError(reason);
 }
 
 CLI::Option* addRepair(CLI::App& app, io::Repair& rule) {
@@ -217,10 +337,7 @@ CLI::Option* addReports(CLI::App& app, std::vector<std::string>& reports) {
 }
 
 std::string endingOf(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return ending;
+  return lowerCase(std::filesystem::path(path).extension().string());
 }
 
 CLI::Option* requireFraction(CLI::Option* option) {

@@ -73,8 +73,8 @@ void addConfig(CLI::App& app, ConfigFile& config);
 /// All of BuildSettings.
 void addSettings(CLI::App& app, builders::BuildSettings& settings);
 
-/// Refuses settings on the command line that another builder than the chosen one would use. Throws
-/// CLI::ValidationError.
+/// Refuses settings on the command line that another builder than the chosen one would use, and settings
+/// that contradict each other wherever they stand. Throws CLI::ValidationError.
 void checkSettings(const CLI::App& app, const builders::BuildSettings& settings, const ConfigFile& config);
 
 CLI::Option* addRepair(CLI::App& app, io::Repair& rule);

@@ -24,7 +24,8 @@ using builders::LevelMetrics;
 constexpr std::string_view kCsvHeader =
     "level,spheres,overhang_worst_lower,overhang_worst_upper,overhang_mean,overhang_worst_lower_relative,"
     "overhang_worst_upper_relative,overhang_mean_relative,volume_ratio,surface_certified,uncovered_lower,"
-    "uncovered_upper,solid_certified,solid_uncovered_lower,solid_uncovered_upper,mesh_hash,tree_hash\n";
+    "uncovered_upper,solid_certified,solid_uncovered_lower,solid_uncovered_upper,mesh_hash,tree_hash,"
+    "winners\n";
 
 /// A path may hold any bytes; those that are not UTF-8 are replaced.
 std::string textOf(const Json& json) {
@@ -132,6 +133,30 @@ std::string repairName(Repair rule) {
   return "off";
 }
 
+std::string qualityName(builders::Quality quality) {
+  switch (quality) {
+    case builders::Quality::Fast:
+      return "fast";
+    case builders::Quality::Best:
+      return "best";
+    case builders::Quality::Normal:
+      break;
+  }
+  return "normal";
+}
+
+std::string objectiveName(builders::Objective objective) {
+  switch (objective) {
+    case builders::Objective::Mean:
+      return "mean";
+    case builders::Objective::Volume:
+      return "volume";
+    case builders::Objective::Worst:
+      break;
+  }
+  return "worst";
+}
+
 std::string exactNumber(double value) {
   std::array<char, 32> digits{};
   const auto [end, code] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
@@ -144,7 +169,7 @@ std::string levelCsvHeader() {
 }
 
 std::string levelCsvRow(std::size_t level, const LevelMetrics& metrics, const Provenance& provenance,
-                        const std::string& treeHash) {
+                        const std::string& treeHash, const Winners& winners) {
   const double diagonal = diagonalOf(provenance);
   std::string row = std::to_string(level) + "," + std::to_string(metrics.spheres);
   const auto add = [&row](const std::string& cell) { row += "," + cell; };
@@ -161,6 +186,10 @@ std::string levelCsvRow(std::size_t level, const LevelMetrics& metrics, const Pr
   add(exactNumber(metrics.solid.uncovered.upper));
   add(provenance.import.contentHash);
   add(treeHash);
+  std::string won;
+  for (const auto& [name, sets] : winners)
+    won += (won.empty() ? "" : " ") + name + "=" + std::to_string(sets);
+  add(won);
   return row + "\n";
 }
 

@@ -3,9 +3,12 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "builders/cover.hpp"
 #include "builders/metrics.hpp"
+#include "builders/settings.hpp"
 #include "io/tree_files.hpp"
 
 namespace spheretree::io {
@@ -30,14 +33,22 @@ namespace spheretree::io {
 /// As in `--repair` and in reports.
 [[nodiscard]] std::string repairName(Repair rule);
 
+/// As in `--quality`, `--objective` and in reports.
+[[nodiscard]] std::string qualityName(builders::Quality quality);
+[[nodiscard]] std::string objectiveName(builders::Objective objective);
+
 /// The shortest text that reads back as the same number.
 [[nodiscard]] std::string exactNumber(double value);
 
 /// The first line of a CSV report.
 [[nodiscard]] std::string levelCsvHeader();
 
+/// How many sets of a level each reducer won.
+using Winners = std::vector<std::pair<std::string, std::size_t>>;
+
 /// The line of one level.
 [[nodiscard]] std::string levelCsvRow(std::size_t level, const builders::LevelMetrics& metrics,
-                                      const Provenance& provenance, const std::string& treeHash);
+                                      const Provenance& provenance, const std::string& treeHash,
+                                      const Winners& winners = {});
 
 }  // namespace spheretree::io

@@ -8,9 +8,11 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +20,7 @@
 
 #include <spheretree/version.hpp>
 
+#include "builders/settings_use.hpp"
 #include "io/guarded.hpp"
 #include "io/report_parts.hpp"
 
@@ -57,21 +60,57 @@ double relative(double length, const Provenance& provenance) {
   return length / diagonalOf(provenance);
 }
 
-/// The settings that belong to one builder only.
-std::vector<std::pair<std::string, std::uint64_t>> ownSettings(const BuildSettings& settings) {
-  if (settings.builder == "hubbard") return {{"samples", settings.hubbard.samples}};
-  if (settings.builder == "grid") return {{"orientations", settings.grid.orientations}};
-  return {};
+const char* onOff(bool on) {
+  return on ? "on" : "off";
+}
+
+// --- settings ---
+
+/// The settings that the build looked at, decided, in the order in which they are written.
+Json settingsOf(const BuildSettings& settings) {
+  Json json = {{"builder", settings.builder},        {"branch", settings.branch},
+               {"levels", settings.levels},          {"max_error", settings.maxError},
+               {"cover", coverName(settings.cover)}, {"seed", settings.seed}};
+  const std::vector<std::string_view> reducers = builders::reducersInUse(settings);
+  if (reducers.empty()) return json;
+  json["quality"] = qualityName(settings.quality);
+  json["objective"] = objectiveName(settings.objective);
+  json["refine"] = onOff(builders::refines(settings));
+  json["link"] = onOff(builders::links(settings));
+  if (settings.builder == "combined") json["reducers"] = reducers;
+  if (builders::usesAxis(settings)) {
+    json["axis_error"] = settings.axis.error;
+    json["axis_balls"] = settings.axis.leastBalls;
+  }
+  for (const std::string_view name : reducers) {
+    if (name == "hubbard") json["samples"] = settings.hubbard.samples;
+    if (name == "grid") json["orientations"] = settings.grid.orientations;
+  }
+  return json;
 }
 
 // --- .sph ---
 
+/// `max_error` as `max-error=0`, a list as `merge,expand`.
+std::string settingText(const std::string& name, const Json& value) {
+  std::string text = name;
+  std::replace(text.begin(), text.end(), '_', '-');
+  text += '=';
+  if (value.is_number_float()) return text + exactNumber(value.get<double>());
+  if (value.is_string()) return text + value.get<std::string>();
+  if (!value.is_array()) return text + value.dump();
+  for (std::size_t k = 0; k < value.size(); ++k) text += (k == 0 ? "" : ",") + value[k].get<std::string>();
+  return text;
+}
+
+/// All but the builder, which has a line of its own.
 std::string settingsLine(const BuildSettings& settings) {
-  std::string line = "branch=" + std::to_string(settings.branch) +
-                     " levels=" + std::to_string(settings.levels) +
-                     " max-error=" + exactNumber(settings.maxError) + " cover=" + coverName(settings.cover) +
-                     " seed=" + std::to_string(settings.seed);
-  for (const auto& [name, value] : ownSettings(settings)) line += " " + name + "=" + std::to_string(value);
+  const Json json = settingsOf(settings);
+  std::string line;
+  for (const auto& [name, value] : json.items()) {
+    if (name == "builder") continue;
+    line += (line.empty() ? "" : " ") + settingText(name, value);
+  }
   return line;
 }
 
@@ -114,14 +153,6 @@ void appendWord(std::string& bytes, std::uint32_t word) {
 }
 
 // --- JSON ---
-
-Json settingsOf(const BuildSettings& settings) {
-  Json json = {{"builder", settings.builder},        {"branch", settings.branch},
-               {"levels", settings.levels},          {"max_error", settings.maxError},
-               {"cover", coverName(settings.cover)}, {"seed", settings.seed}};
-  for (const auto& [name, value] : ownSettings(settings)) json[name] = value;
-  return json;
-}
 
 Json levelOf(std::size_t index, const builders::LevelReport& level, const Provenance& provenance) {
   Json json = Json::parse(levelJson(index, level.metrics, diagonalOf(provenance)));
@@ -204,7 +235,7 @@ std::string formatCsvReport(const BuildResult& build, const Provenance& provenan
   const std::string hash = treeHash(build.tree);
   std::string text = levelCsvHeader();
   for (std::size_t k = 0; k < build.report.levels.size(); ++k)
-    text += levelCsvRow(k, build.report.levels[k].metrics, provenance, hash);
+    text += levelCsvRow(k, build.report.levels[k].metrics, provenance, hash, build.report.levels[k].winners);
   return text;
 }
 

@@ -43,6 +43,7 @@ allow() {
     models/make_models.cpp) layers="medial io models" packages="CLI CLI11" ;;
     models/*) layers="medial models" ;;
     docs/*) layers="medial builders io models" ;;
+    tests/bench/*) layers="runtime medial builders io models" packages="CLI CLI11" ;;
     tests/*) layers="runtime medial builders io cli models tests" packages="CGAL assimp nlohmann" ;;
   esac
 }
@@ -109,7 +110,7 @@ main() {
         code+=("$file")
         check_licence "$file"
         ;;
-      CMakeLists.txt | */CMakeLists.txt | *.cmake | *.sh | bootstrap | .ci/run) check_licence "$file" ;;
+      CMakeLists.txt | */CMakeLists.txt | *.cmake | *.sh | *.py | bootstrap | .ci/run) check_licence "$file" ;;
     esac
   done < <(list_files)
   if ((${#code[@]} == 0)); then

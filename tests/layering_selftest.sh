@@ -55,6 +55,8 @@ expect_violation medial/planted.cpp "$mit"
 expect_violation runtime/planted.hpp "$gpl"
 expect_violation tests/planted/CMakeLists.txt 'project(planted)'
 expect_violation docs/planted.sh '#!/bin/sh'
+expect_violation docs/planted.py 'print()'
+expect_violation tests/planted.cpp "$gpl"'#include <CLI/CLI.hpp>'
 expect_violation docs/planted.cmake 'set(PLANTED ON)'
 
 "$root/tests/layering.sh" "$copy/project" >/dev/null  # every plant was pulled out again

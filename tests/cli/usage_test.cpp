@@ -46,7 +46,10 @@ TEST_F(Usage, HelpNamesEverySubcommandAndExitCode) {
 TEST_F(Usage, HelpOfASubcommandShowsDefaults) {
   const Finished help = run({"build", "--help"});
   EXPECT_EQ(help.exitCode, 0);
-  for (const char* word : {"[2, 4096]=8", "[1, 24]=4", "=hubbard", "surface|solid=surface", "=auto", "=2000"})
+  for (const char* word :
+       {"[2, 4096]=8", "[1, 24]=4", "=combined", "surface|solid=surface", "fast|normal|best=normal",
+        "worst|mean|volume=worst", "--refine auto|on|off=auto", "--link auto|on|off=auto",
+        "=merge,burst,expand", "above 0=0.5", "[0, 1000000]=200", "=auto", "=2000"})
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
 }
 
@@ -122,6 +125,11 @@ TEST_F(Usage, MistakesAreCodeTwoAndTouchNothing) {
       {"build", "box.obj", "-o", "a.sph", "-q", "-v"},
       {"build", "box.obj", "-o", "a.sph", "--builder", "octree", "--samples", "100"},
       {"build", "box.obj", "-o", "a.sph", "--builder", "octree", "--orientations", "3"},
+      {"build", "box.obj", "-o", "a.sph", "--samples", "100"},
+      {"build", "box.obj", "-o", "a.sph", "--quality", "great"},
+      {"build", "box.obj", "-o", "a.sph", "--objective", "0"},
+      {"build", "box.obj", "-o", "a.sph", "--axis-balls", "-1"},
+      {"build", "box.obj", "-o", "a.sph", "--reducers"},
       {"build", "box.obj", "-o", "a.sph", "--report", "a.html"},
       {"build", "box.obj", "-o", "a.sph", "--report", "a"},
       {"build", "box.obj", "-o", "box.obj"},
@@ -147,6 +155,42 @@ TEST_F(Usage, MistakesAreCodeTwoAndTouchNothing) {
     EXPECT_EQ(finished.out, "");
     EXPECT_EQ(finished.err.rfind("spheretree: ", 0), 0U) << finished.err;
     EXPECT_EQ(names(), before);
+  }
+}
+
+TEST_F(Usage, SettingsThatDoNotFitAreRefusedInOneSentence) {
+  write("box.obj", boxObj());
+  const std::string reducers = "; there are grid, hubbard, spawn, merge, burst, expand";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> mistakes = {
+      {{"--reducers", "merge,nobody"}, "--reducers: unknown reducer 'nobody'" + reducers},
+      {{"--reducers", "merge,octree"}, "--reducers: 'octree' is no reducer" + reducers},
+      {{"--reducers", ""}, "--reducers: unknown reducer ''" + reducers},
+      {{"--reducers", "merge,grid,Merge"}, "--reducers: the reducer 'merge' is named twice"},
+      {{"--link", "on", "--refine", "off"},
+       "link needs refine, which is off: levels are linked by refining them"},
+      {{"--builder", "merge", "--link", "on"},
+       "link needs refine, which is off for a reducer on its own unless set to on: levels are linked by "
+       "refining them"},
+      {{"--builder", "octree", "--refine", "on"}, "--refine: belongs to builders with reducers, not octree"},
+      {{"--builder", "octree", "--quality", "best"},
+       "--quality: belongs to builders with reducers, not octree"},
+      {{"--builder", "merge", "--reducers", "merge"}, "--reducers: belongs to combined, not merge"},
+      {{"--builder", "grid", "--axis-error", "0.3"},
+       "--axis-error: belongs to merge, burst and expand, not grid"},
+      {{"--reducers", "grid,hubbard", "--axis-balls", "9"},
+       "--axis-balls: belongs to merge, burst and expand, not combined of grid,hubbard"},
+      {{"--reducers", "merge", "--samples", "100"}, "--samples: belongs to hubbard, not combined of merge"},
+      {{"--axis-error", "0"}, "--axis-error: '0' is not a number above 0"},
+      {{"--axis-error", "inf"}, "--axis-error: 'inf' is not a number above 0"}};
+  for (const auto& [settings, sentence] : mistakes) {
+    SCOPED_TRACE(sentence);
+    std::vector<std::string> arguments{"build", "box.obj", "-o", "a.sph"};
+    arguments.insert(arguments.end(), settings.begin(), settings.end());
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.exitCode, 2);
+    EXPECT_EQ(finished.out, "");
+    EXPECT_EQ(finished.err, "spheretree: " + sentence + "\nspheretree: see spheretree build --help\n");
+    EXPECT_EQ(names(), Names{"box.obj"});
   }
 }
 
@@ -243,12 +287,25 @@ TEST(ExitCodes, AreWhatTheBookSays) {
 
 TEST_P(Cancel, ABuildLeavesNothingBehind) {
   write("box.obj", boxObj());
-  // Two million leaves: minutes, if nobody stops it.
-  const Finished finished = interrupted(
-      {"build", "box.obj", "-o", "a.sph", "--report", "a.json", "--builder", "grid", "--levels", "8"});
-  EXPECT_EQ(finished.exitCode, 130) << finished.err;
-  EXPECT_EQ(finished.out, "");
-  EXPECT_EQ(names(), Names{"box.obj"});
+  // Minutes, if nobody stops them: two million leaves, a few levels with all that can be done for them, and
+  // one set of many balls.
+  const std::vector<std::vector<std::string>> builds = {
+      {"--builder", "grid", "--levels", "8"},
+      {"--quality", "best", "--levels", "6"},
+      {"--quality", "best", "--levels", "2", "--branch", "512", "--axis-balls", "5000"}};
+  for (const std::vector<std::string>& build : builds) {
+    SCOPED_TRACE(build[1] + " " + build[3]);
+    std::vector<std::string> arguments{"build", "box.obj", "-o", "a.sph", "--report", "a.json"};
+    arguments.insert(arguments.end(), build.begin(), build.end());
+    const auto start = std::chrono::steady_clock::now();
+    const Finished finished = interrupted(arguments);
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+    EXPECT_EQ(finished.exitCode, 130) << finished.err;
+    EXPECT_EQ(finished.out, "");
+    EXPECT_EQ(names(), Names{"box.obj"});
+    // One second goes by before the signal. Far above what a step may take, also under a sanitizer.
+    EXPECT_LT(spent.count(), 20);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, Cancel, ::testing::Values(SIGINT, SIGTERM));

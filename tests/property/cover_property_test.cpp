@@ -11,6 +11,7 @@
 #include "builders/build_tree.hpp"
 #include "builders/catalogue.hpp"
 #include "tests/support/solids.hpp"
+#include "tests/support/trees.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -73,12 +74,8 @@ TEST_P(CoverProperty, HoldsForEveryModelAndSeed) {
     for (const std::uint64_t seed :
          twice ? std::vector<std::uint64_t>{1, 20261122} : std::vector<std::uint64_t>{1}) {
       SCOPED_TRACE(solid.name + ", seed " + std::to_string(seed));
-      BuildSettings settings;
-      settings.builder = GetParam().name;
-      settings.levels = 3;
+      BuildSettings settings = test::quickSettings(GetParam().name);
       settings.seed = seed;
-      settings.hubbard.samples = 600;
-      settings.grid.orientations = 2;
       checkTree(solid.surface, settings);
     }
   }
@@ -87,9 +84,7 @@ TEST_P(CoverProperty, HoldsForEveryModelAndSeed) {
 TEST_P(CoverProperty, HoldsForTheSolid) {
   for (const test::Solid& solid : test::allSolids()) {
     SCOPED_TRACE(solid.name);
-    BuildSettings settings;
-    settings.builder = GetParam().name;
-    settings.levels = 3;
+    BuildSettings settings = test::quickSettings(GetParam().name);
     settings.branch = 5;
     settings.cover = Cover::Solid;
     settings.hubbard.samples = 400;

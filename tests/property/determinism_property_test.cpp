@@ -3,35 +3,23 @@
 // The number of threads changes nothing.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "builders/build_tree.hpp"
 #include "builders/catalogue.hpp"
 #include "tests/support/solids.hpp"
+#include "tests/support/trees.hpp"
 
 namespace spheretree::builders {
 namespace {
-
-bool sameBits(const SphereTree& a, const SphereTree& b) {
-  if (a.nodes().size() != b.nodes().size()) return false;
-  for (std::size_t i = 0; i < a.nodes().size(); ++i) {
-    const Node& x = a.nodes()[i];
-    const Node& y = b.nodes()[i];
-    if (std::memcmp(&x.ball, &y.ball, sizeof x.ball) != 0 || x.parent != y.parent) return false;
-  }
-  return true;
-}
 
 TEST(Determinism, ThreadsDoNotChangeABit) {
   for (const test::Solid& solid : test::allSolids()) {
     if (solid.name != "gear" && solid.name != "torus" && solid.name != "tangent_balls") continue;
     for (const CatalogueEntry& builder : catalogue()) {
       SCOPED_TRACE(solid.name + " " + std::string(builder.name));
-      BuildSettings settings;
-      settings.builder = builder.name;
-      settings.levels = 3;
+      BuildSettings settings = test::quickSettings(builder.name);
       settings.hubbard.samples = 800;
       settings.grid.orientations = 3;
       const Result<BuildResult> one = buildTree(solid.surface, settings, medial::Context(1));
@@ -39,7 +27,7 @@ TEST(Determinism, ThreadsDoNotChangeABit) {
       for (const unsigned threads : {2U, 7U}) {
         const Result<BuildResult> many = buildTree(solid.surface, settings, medial::Context(threads));
         ASSERT_TRUE(many.ok());
-        EXPECT_TRUE(sameBits(one->tree, many->tree)) << threads << " threads";
+        EXPECT_TRUE(test::sameBits(one->tree, many->tree)) << threads << " threads";
         for (std::size_t depth = 0; depth < one->report.levels.size(); ++depth) {
           const LevelMetrics& a = one->report.levels[depth].metrics;
           const LevelMetrics& b = many->report.levels[depth].metrics;

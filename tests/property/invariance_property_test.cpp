@@ -12,6 +12,7 @@
 #include "builders/build_tree.hpp"
 #include "builders/catalogue.hpp"
 #include "tests/support/solids.hpp"
+#include "tests/support/trees.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -25,9 +26,7 @@ struct Errors {
 };
 
 Errors errorsOf(const medial::TriangleMesh& mesh, std::string_view builder, double length) {
-  BuildSettings settings;
-  settings.builder = builder;
-  settings.levels = 3;
+  BuildSettings settings = test::quickSettings(builder);
   settings.hubbard.samples = 800;
   settings.grid.orientations = 3;
   const Result<medial::Surface> surface = medial::Surface::create(mesh);

@@ -10,6 +10,7 @@
 #include "builders/build_tree.hpp"
 #include "builders/catalogue.hpp"
 #include "tests/support/solids.hpp"
+#include "tests/support/trees.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -39,9 +40,7 @@ TEST(OverhangProperty, BracketsDenseSampling) {
   for (const test::Solid& solid : test::allSolids()) {
     for (const CatalogueEntry& builder : catalogue()) {
       SCOPED_TRACE(solid.name + " " + std::string(builder.name));
-      BuildSettings settings;
-      settings.builder = builder.name;
-      settings.levels = 2;
+      BuildSettings settings = test::quickSettings(builder.name, 2);
       settings.hubbard.samples = 300;
       settings.grid.orientations = 1;
       const Result<BuildResult> built = buildTree(solid.surface, settings, medial::Context(2));

@@ -23,6 +23,8 @@ BuildSettings settingsOf(std::string_view builder, std::uint32_t levels) {
   BuildSettings settings;
   settings.builder = builder;
   settings.levels = levels;
+  settings.quality = Quality::Fast;
+  settings.axis = {1, 50};
   return settings;
 }
 
@@ -150,6 +152,10 @@ TEST(BuildTree, RefusesImpossibleSettings) {
   EXPECT_NE(reason([](auto& s) { s.branch = 1; }).find("branch"), std::string::npos);
   EXPECT_NE(reason([](auto& s) { s.levels = 0; }).find("levels"), std::string::npos);
   EXPECT_NE(reason([](auto& s) { s.maxError = -1; }).find("max-error"), std::string::npos);
+  EXPECT_NE(reason([](auto& s) { s.axis.error = 0; }).find("axis-error"), std::string::npos);
+  EXPECT_NE(reason([](auto& s) { s.combined.reducers = {"octree"}; }).find("octree"), std::string::npos);
+  EXPECT_NE(reason([](auto& s) { s.refine = Toggle::Off, s.link = Toggle::On; }).find("link needs refine"),
+            std::string::npos);
 }
 
 }  // namespace

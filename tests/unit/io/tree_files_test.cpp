@@ -18,6 +18,7 @@ namespace spheretree::io {
 namespace {
 
 using builders::BuildResult;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -85,7 +86,8 @@ TEST_F(TreeFiles, WhatIsWrittenReadsBackWithItsMetadata) {
   EXPECT_EQ(valueOf(file.value(), "repair"), "fill");
   EXPECT_EQ(valueOf(file.value(), "builder"), "hubbard");
   EXPECT_EQ(valueOf(file.value(), "settings"),
-            "branch=2 levels=2 max-error=0 cover=surface seed=1 samples=2000");
+            "branch=2 levels=2 max-error=0 cover=surface seed=1 quality=normal objective=worst refine=off "
+            "link=off samples=2000");
   EXPECT_EQ(valueOf(file.value(), "frame"), "mesh");
   EXPECT_EQ(valueOf(file.value(), "units"), "mesh units");
   EXPECT_EQ(valueOf(file.value(), "level-1"),
@@ -94,6 +96,28 @@ TEST_F(TreeFiles, WhatIsWrittenReadsBackWithItsMetadata) {
   EXPECT_EQ(valueOf(file.value(), "level-2"), std::nullopt);
   EXPECT_EQ(valueOf(file.value(), "surface-chains"), "certified");
   EXPECT_EQ(valueOf(file.value(), "solid-chains"), "not certified");
+}
+
+TEST_F(TreeFiles, SettingsAreThoseThatWereUsed) {
+  BuildResult build = someBuild();
+  const auto line = [&] {
+    return valueOf(parseSph(formatTree(build, someProvenance()).value()).value(), "settings");
+  };
+  const std::string common = "branch=2 levels=2 max-error=0 cover=surface seed=1";
+  build.report.settings.builder = "octree";
+  EXPECT_EQ(line(), common);
+  build.report.settings.builder = "combined";
+  build.report.settings.combined.reducers = {"expand", "merge"};
+  build.report.settings.quality = builders::Quality::Best;
+  build.report.settings.objective = builders::Objective::Volume;
+  build.report.settings.axis = {0.25, 77};
+  EXPECT_EQ(line(), common +
+                        " quality=best objective=volume refine=on link=on reducers=merge,expand "
+                        "axis-error=0.25 axis-balls=77");
+  build.report.settings.combined.reducers = {"grid"};
+  build.report.settings.refine = builders::Toggle::Off;
+  EXPECT_EQ(line(),
+            common + " quality=best objective=volume refine=off link=off reducers=grid orientations=12");
 }
 
 TEST_F(TreeFiles, TheBytesDependOnTheTreeAlone) {
@@ -150,6 +174,8 @@ TEST(JsonReport, HoldsWhatTheDocsPromise) {
   EXPECT_EQ(report["mesh"]["repair"]["actions"].size(), 1U);
   EXPECT_EQ(report["settings"]["samples"], 2000);
   EXPECT_FALSE(report["settings"].contains("orientations")) << "belongs to another builder";
+  EXPECT_FALSE(report["settings"].contains("reducers")) << "belongs to another builder";
+  EXPECT_EQ(report["settings"]["refine"], "off");
   ASSERT_EQ(report["levels"].size(), 2U);
   const nlohmann::json& level = report["levels"][1];
   EXPECT_EQ(level["spheres"], 2);
@@ -165,6 +191,21 @@ TEST(JsonReport, HoldsWhatTheDocsPromise) {
   EXPECT_GT(report["peak_memory_bytes"], 1'000'000);
   EXPECT_EQ(report["tree"]["content_hash"], treeHash(build.tree));
   EXPECT_EQ(report["tree"]["spheres"], 3);
+}
+
+TEST(JsonReport, SaysWhatAutoMeant) {
+  BuildResult build = someBuild();
+  build.report.settings.builder = "combined";
+  const nlohmann::json settings =
+      nlohmann::json::parse(formatJsonReport(build, someProvenance())).at("settings");
+  EXPECT_EQ(settings.at("quality"), "normal");
+  EXPECT_EQ(settings.at("objective"), "worst");
+  EXPECT_EQ(settings.at("refine"), "on");
+  EXPECT_EQ(settings.at("link"), "on");
+  EXPECT_EQ(settings.at("reducers"), (std::vector<std::string>{"merge", "burst", "expand"}));
+  EXPECT_EQ(settings.at("axis_error"), 0.5);
+  EXPECT_EQ(settings.at("axis_balls"), 200);
+  EXPECT_FALSE(settings.contains("samples"));
 }
 
 TEST(JsonReport, SurvivesAnyPath) {
@@ -183,6 +224,8 @@ TEST(CsvReport, HasOneRowPerLevelAndAsManyCellsAsItsHeader) {
   for (const std::string& row : rows)
     EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));
   EXPECT_THAT(rows[2], StartsWith("1,2,0.5,0.625,0.25,0.05,0.0625,0.025,1.5,1,0,0,0,0.125,0.25,0011"));
+  EXPECT_THAT(rows[0], EndsWith(",tree_hash,winners"));
+  EXPECT_THAT(rows[2], EndsWith(",merge=2 burst=0"));
 }
 
 }  // namespace
