@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // G. Bradshaw, C. O'Sullivan, "Adaptive medial-axis approximation for sphere-tree construction", ACM TOG
-// 23(1), 2004, section 5: of many medial balls the one that costs least is burst, and its neighbours grow to
-// cover what it covered, until few enough are left. The cost of a ball is the largest overhang that one of its
-// cells needs at the neighbour that pays least for it.
+// 23(1), 2004, section 5: of many medial balls the one that costs least bursts and its neighbours grow to
+// cover what it covered, until few enough are left. Here each unit goes to the neighbour that needs to stick
+// out least for it, and the cost of a ball is what its dearest unit needs. The queue is lazy: costs are found
+// again when their turn comes.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <string>
-#include <iterator>
 #include <limits>
 #include <queue>
 #include <tuple>
@@ -18,18 +16,28 @@
 
 #include "builders/clusters.hpp"
 #include "builders/reducer.hpp"
+#include "builders/stages.hpp"
 
 namespace spheretree::builders {
 namespace {
 
+using Eigen::Vector3d;
 
-constexpr FitEffort kWalk{4, 5e-3};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kPricesPerCheck = 16;  // well below a millisecond
+
+/// What becomes of the centres of the balls that grow.
+enum class Growth : std::uint8_t { Fixed, Following };
 
 struct Removal {
-  std::int64_t cost;  // overhang in steps of costStep()
-  std::uint32_t ball;
-  std::uint64_t time;  // when the cost was found
+  enum class Cost : std::uint8_t { Exact, AtLeast };
 
+  std::int64_t cost;  // overhang in steps of costStep()
+  Cost known;
+  std::uint32_t ball;
+  std::uint32_t version;
+
+  /// std::priority_queue serves the greatest: the cheapest removal, then the lowest number.
   bool operator<(const Removal& other) const {
     return std::tuple(cost, ball) > std::tuple(other.cost, other.ball);
   }
@@ -37,133 +45,128 @@ struct Removal {
 
 class Bursting {
  public:
-  Bursting(const ReduceRequest& request, const Units& units, std::vector<Cluster> clusters, bool moving)
-      : request_(request), units_(units), step_(costStep(request)), clusters_(std::move(clusters)), moving_(moving), state_(clusters_.size()) {}
+  Bursting(const ReduceRequest& request, const Units& units, std::vector<Cluster> clusters, Growth growth)
+      : request_(request),
+        units_(units),
+        growth_(growth),
+        step_(costStep(request)),
+        clusters_(std::move(clusters)),
+        version_(clusters_.size(), 0) {}
 
   std::vector<Cluster> run(std::size_t wanted) {
-    for (std::uint32_t n = 0; n < clusters_.size(); ++n) push(n);
-    initial_ = false;
-    std::size_t alive = clusters_.size();
-    while (alive > wanted && !queue_.empty()) {
+    std::size_t left = clusters_.size();
+    if (left <= wanted) return std::move(clusters_);
+    for (std::uint32_t ball = 0; ball < clusters_.size(); ++ball) {
+      queue_.push(price(ball, std::numeric_limits<std::int64_t>::max()));
+    }
+    while (left > wanted) {
       const Removal removal = queue_.top();
       queue_.pop();
-      const State& state = state_[removal.ball];
-      if (!state.alive) continue;
-      if (removal.time == 0 || removal.time < state.changed) {
-        push(removal.ball);
-        continue;
+      if (clusters_[removal.ball].units.empty()) continue;
+      if (removal.known == Removal::Cost::Exact && removal.version == version_[removal.ball]) {
+        burst(removal.ball);
+        --left;
+      } else {
+        queue_.push(price(removal.ball, queue_.empty() ? removal.cost : queue_.top().cost));
       }
-      burst(removal.ball);
-      --alive;
     }
     return withoutEmpty(std::move(clusters_));
   }
 
  private:
-  struct State {
-    std::uint64_t changed = 0;  // when the ball or one of its neighbours last changed
-    bool alive = true;
-  };
   struct Taker {
-    std::uint32_t ball = 0;
-    double price = 0;
-    std::size_t at = 0;
+    std::size_t index = 0;  // in the neighbours
+    double standOff = kInfinity;
   };
 
-  /// The neighbour that needs to stick out least for a cell.
-  Taker takerOf(const Cluster& from, std::uint32_t cell) const {
-    return takerOf(from, cell, -std::numeric_limits<double>::infinity(), 0);
-  }
-  /// any neighbour whose price is at most `enough` will do.
-  Taker takerOf(const Cluster& from, std::uint32_t cell, double enough, std::size_t hint) const {
-    const Eigen::Vector3d& corner = units_.corners(cell).front();
-    Taker best{0, std::numeric_limits<double>::infinity()};
+  /// The neighbour that needs to stick out least for a unit, or any that need not stick out more than
+  /// `enough`. Asks them in turn, beginning with number `first`.
+  [[nodiscard]] Taker takerOf(const Cluster& from, std::uint32_t unit, double enough = -kInfinity,
+                              std::size_t first = 0) const {
+    const Vector3d& corner = units_.corners(unit).front();
+    Taker best;
     for (std::size_t i = 0; i < from.neighbours.size(); ++i) {
-      const std::size_t at = (i + hint) % from.neighbours.size();
-      const std::uint32_t n = from.neighbours[at];
-      const DepthProbe& center = clusters_[n].fit.center;
-      const double limit = best.price + center.depth - step_;
+      const std::size_t index = (first + i) % from.neighbours.size();
+      const DepthProbe& center = clusters_[from.neighbours[index]].fit.center;
+      const double limit = best.standOff + center.depth - step_;
       if (limit < 0 || (corner - center.at).squaredNorm() > limit * limit) continue;
-      const double price = std::sqrt(units_.farthestSquared(cell, center.at)) - center.depth;
-      if (price < best.price - step_) best = {n, price, at};
-      if (best.price <= enough) break;
+      const double standOff = std::sqrt(units_.farthestSquared(unit, center.at)) - center.depth;
+      if (standOff > best.standOff - step_) continue;
+      best = {index, standOff};
+      if (standOff <= enough) break;
     }
     return best;
   }
 
-  /// Prices a ball. A price beyond that of the next in the queue need not be known any better: the ball is
-  /// looked at again when its turn comes.
-  void push(std::uint32_t ball) {
-    if (++evaluations_ % 16 == 0) request_.context.checkCancelled();
-    std::int64_t enough = queue_.empty()||initial_ ? std::numeric_limits<std::int64_t>::max() : queue_.top().cost;
-    std::vector<std::uint32_t>& cells = clusters_[ball].units;
-    Removal removal{std::numeric_limits<std::int64_t>::min(), ball, ++time_};
-    double dearest = -std::numeric_limits<double>::infinity();
-    std::size_t hint = 0;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const Taker taker = takerOf(clusters_[ball], cells[i], dearest, hint);
-      hint = taker.at;
-      if (taker.price <= dearest) continue;
-      dearest = taker.price;
-      const std::int64_t cost = std::llround(taker.price / step_);
-      removal.cost = cost;
-      // The dearest cell goes first: next time it is likely to decide at once.
-      std::swap(cells[0], cells[i]);
-      if (cost > enough) {
-        removal.time = 0;
-        break;
-      }
+  /// What it costs to do without a ball. A cost above `enough` need not be known any better.
+  Removal price(std::uint32_t ball, std::int64_t enough) {
+    if (++prices_ % kPricesPerCheck == 0) request_.context.checkCancelled();
+    Cluster& cluster = clusters_[ball];
+    Removal removal{0, Removal::Cost::Exact, ball, version_[ball]};
+    Taker dearest{0, -kInfinity};
+    std::size_t likely = 0;
+    for (std::uint32_t& unit : cluster.units) {
+      const Taker taker = takerOf(cluster, unit, dearest.standOff, likely);
+      likely = taker.index;
+      if (taker.standOff <= dearest.standOff) continue;
+      dearest = taker;
+      removal.cost = std::llround(dearest.standOff / step_);
+      // It goes first: next time it is likely to decide at once.
+      std::swap(cluster.units.front(), unit);
+      if (removal.cost <= enough) continue;
+      removal.known = Removal::Cost::AtLeast;
+      break;
     }
-    queue_.push(removal);
+    return removal;
   }
 
   void burst(std::uint32_t ball) {
-    Cluster gone = std::move(clusters_[ball]);
-    clusters_[ball] = {};
-    state_[ball].alive = false;
+    const Cluster gone = std::exchange(clusters_[ball], {});
     std::vector<std::uint32_t> takers;
-    for (const std::uint32_t cell : gone.units) {
-      const std::uint32_t taker = takerOf(gone, cell).ball;
+    for (const std::uint32_t unit : gone.units) {
+      const std::uint32_t taker = gone.neighbours[takerOf(gone, unit).index];
       takers.push_back(taker);
-      Cluster& cluster = clusters_[taker];
-      cluster.units.push_back(cell);
-      for (const Eigen::Vector3d& p : units_.corners(cell)) cluster.points.push(p);
-      cluster.fit.reach = std::max(cluster.fit.reach, std::sqrt(units_.farthestSquared(cell, cluster.fit.center.at)));
+      give(unit, clusters_[taker]);
     }
     std::sort(takers.begin(), takers.end());
     takers.erase(std::unique(takers.begin(), takers.end()), takers.end());
-    ++time_;
     for (const std::uint32_t n : gone.neighbours) {
       std::erase(clusters_[n].neighbours, ball);
-      state_[n].changed = time_;
+      ++version_[n];
     }
-    for (const std::uint32_t t : takers) {
-      Cluster& taker = clusters_[t];
-      if (moving_) taker.fit = fitBall(request_.surface, taker.points, taker.fit.center, kWalk);
-      for (const std::uint32_t n : gone.neighbours) {
-        if (n == t) continue;
-        link(t, n);
-        link(n, t);
-      }
-      if (moving_) for (const std::uint32_t n : taker.neighbours) state_[n].changed = time_;
+    for (const std::uint32_t taker : takers) {
+      for (const std::uint32_t n : gone.neighbours) link(taker, n);
+      if (growth_ == Growth::Fixed) continue;
+      Cluster& grown = clusters_[taker];
+      grown.fit = fitBall(request_.surface, grown.points, grown.fit.center, kFollow);
+      for (const std::uint32_t n : grown.neighbours) ++version_[n];
     }
   }
 
-  void link(std::uint32_t from, std::uint32_t to) {
-    std::vector<std::uint32_t>& list = clusters_[from].neighbours;
-    const auto at = std::lower_bound(list.begin(), list.end(), to);
-    if (at == list.end() || *at != to) list.insert(at, to);
+  void give(std::uint32_t unit, Cluster& taker) {
+    taker.units.push_back(unit);
+    for (const Vector3d& p : units_.corners(unit)) taker.points.push(p);
+    const double reach = std::sqrt(units_.farthestSquared(unit, taker.fit.center.at));
+    taker.fit.reach = std::max(taker.fit.reach, reach);
+  }
+
+  void link(std::uint32_t a, std::uint32_t b) {
+    if (a == b) return;
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+      std::vector<std::uint32_t>& list = clusters_[from].neighbours;
+      const auto at = std::lower_bound(list.begin(), list.end(), to);
+      if (at == list.end() || *at != to) list.insert(at, to);
+    }
   }
 
   const ReduceRequest& request_;
   const Units& units_;
+  Growth growth_;
   double step_;
-  std::vector<Cluster> clusters_;
-  bool moving_;
-  std::vector<State> state_;
+  std::vector<Cluster> clusters_;       // a ball that burst has no units
+  std::vector<std::uint32_t> version_;  // of each ball, raised when its cost may have changed
   std::priority_queue<Removal> queue_;
-  std::uint64_t time_ = 0;
-  std::size_t evaluations_ = 0;bool initial_ = true;
+  std::size_t prices_ = 0;
 };
 
 class BurstReducer final : public Reducer {
@@ -171,12 +174,12 @@ class BurstReducer final : public Reducer {
   [[nodiscard]] bool wantsAxis() const override { return true; }
 
   [[nodiscard]] std::vector<medial::Ball> reduce(const ReduceRequest& request) const override {
-    const auto burst = [&](bool moving) {
-      return [&request, moving](const Units& units, std::vector<Cluster> clusters, std::size_t wanted) {
-        return Bursting(request, units, std::move(clusters), moving).run(wanted);
+    const auto burstBy = [&](Growth growth) -> ReduceTo {
+      return [&request, growth](const Units& units, std::vector<Cluster> clusters, std::size_t wanted) {
+        return Bursting(request, units, std::move(clusters), growth).run(wanted);
       };
     };
-    return reduceInStages(request, burst(false), burst(true));
+    return reduceInStages(request, burstBy(Growth::Fixed), burstBy(Growth::Following));
   }
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Cells and the centres they belong to. The price of a cell at a centre is the stand-off of a ball there that
-// holds it: the distance to its farthest corner less the depth of the centre (P. Hubbard 1996 and G. Bradshaw
-// 2002 hand out sample points; cells make cover a fact).
+// The pieces of a region and the centres they belong to. The price of a unit at a centre is the stand-off of
+// a ball there that holds it: the distance to its farthest corner less the depth of the centre. (P. Hubbard
+// 1996 and G. Bradshaw 2002 hand out sample points; with cells cover is a fact.)
 #include "builders/clusters.hpp"
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 #include <Eigen/Geometry>
 
+#include "builders/holds.hpp"
 #include "medial/morton.hpp"
-#include "medial/min_ball.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -21,7 +21,6 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 using medial::Ball;
-using medial::CellSet;
 
 using Link = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -32,18 +31,6 @@ constexpr double kCostStep = 1e-9;
 constexpr std::size_t kRun = 64;
 constexpr std::size_t kShortRun = 8;
 
-// Of the first stage, as a fraction of the radius that balls can be expected to have: coarser units lead to
-// other balls, finer ones take longer and lead to the same.
-const double kCoarseUnit = getenv("UNIT") ? atof(getenv("UNIT")) : 0.7;
-// Clusters left by the first stage for every ball allowed: more take longer and lead nowhere better.
-const double kCoarsePerBall = getenv("EARLY") ? atof(getenv("EARLY")) : 1.5;
-// Candidates wanted for every ball allowed.
-constexpr std::size_t kCentersPerBall = 8;
-// Times that the cells are shared out at the end: the first two bring most.
-const int kLastShares = getenv("ROUNDS") ? atoi(getenv("ROUNDS")) : 2;
-// Of a centre after its ball got other cells.
-const FitEffort kFollow{getenv("Q") ? size_t(atoi(getenv("Q"))) : 4, getenv("TOL") ? atof(getenv("TOL")) : 5e-3};
-
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -52,9 +39,12 @@ void makeUnique(std::vector<std::uint32_t>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-AlignedBox3d boundsOf(std::span<const Vector3d> points) {
+/// The box around the corners of the units first, .., last - 1.
+AlignedBox3d boundsOf(const Units& units, std::size_t first, std::size_t last) {
   AlignedBox3d box;
-  for (const Vector3d& p : points) box.extend(p);
+  for (std::size_t unit = first; unit < last; ++unit) {
+    for (const Vector3d& p : units.corners(unit)) box.extend(p);
+  }
   return box;
 }
 
@@ -91,8 +81,7 @@ class Sharing {
 
   /// The centres that may be the cheapest for a unit of the run, the likeliest of them first.
   void sift(std::size_t first, std::size_t last, const std::vector<Center>& from, std::vector<Center>& to) {
-    AlignedBox3d box;
-    for (std::size_t unit = first; unit < last; ++unit) box.extend(boundsOf(units_.corners(unit)));
+    const AlignedBox3d box = boundsOf(units_, first, last);
     const Vector3d middle = box.center();
     // Every corner is within half the diagonal of the middle, so the price of a unit is at most that far from
     // the price of the middle, and a centre that is a whole diagonal dearer there is never the cheapest.
@@ -142,7 +131,7 @@ class Sharing {
   std::vector<std::pair<double, std::uint32_t>> asGood_;  // scratch
 };
 
-/// Links what can not be reached yet along a space-filling curve through the centres.
+/// Links what cannot be reached yet along a space-filling curve through the centres.
 void joinComponents(const std::vector<Cluster>& clusters, std::vector<Link>& links) {
   std::vector<std::uint32_t> leader(clusters.size());
   for (std::uint32_t i = 0; i < leader.size(); ++i) leader[i] = i;
@@ -186,14 +175,14 @@ std::vector<Cluster> clustersOf(const Units& units, const std::vector<DepthProbe
     if (number[a] != kNone && number[b] != kNone) known.emplace_back(number[a], number[b]);
   }
   // Going through the clusters in order: the last one that used a corner is another's neighbour there.
-  std::vector<std::uint32_t> user(units.idCount(), kNone);
+  std::vector<std::uint32_t> user(units.pointCount(), kNone);
   for (std::uint32_t n = 0; n < clusters.size(); ++n) {
     Cluster& cluster = clusters[n];
     for (const std::uint32_t unit : cluster.units) {
       const std::span<const Vector3d> corners = units.corners(unit);
-      const std::span<const std::uint32_t> ids = units.ids(unit);
-      for (std::size_t i = 0; i < ids.size(); ++i) {
-        std::uint32_t& last = user[ids[i]];
+      const std::span<const std::uint32_t> numbers = units.numbers(unit);
+      for (std::size_t i = 0; i < numbers.size(); ++i) {
+        std::uint32_t& last = user[numbers[i]];
         if (last == n) continue;
         if (last != kNone) known.emplace_back(last, n);
         last = n;
@@ -215,79 +204,12 @@ std::vector<Cluster> clustersOf(const Units& units, const std::vector<DepthProbe
 void appendRunCenters(const ReduceRequest& request, const Units& units, std::size_t runs,
                       std::vector<DepthProbe>& centers) {
   for (std::size_t run = 0; run < runs; ++run) {
-    AlignedBox3d box;
-    const std::size_t last = units.size() * (run + 1) / runs;
-    for (std::size_t unit = units.size() * run / runs; unit < last; ++unit) {
-      box.extend(boundsOf(units.corners(unit)));
-    }
+    const AlignedBox3d box = boundsOf(units, units.size() * run / runs, units.size() * (run + 1) / runs);
     centers.push_back(probeDepth(request.surface, box.center()));
   }
 }
 
-/// Shares all units out anew, each to the centre that needs to stick out least for it; then the centres
-/// follow. Clusters that get nothing vanish, those that were neighbours stay neighbours. The largest overhang
-/// never grows.
-std::vector<Cluster> reshare(const ReduceRequest& request, const Units& units,
-                             const std::vector<Cluster>& clusters) {
-  std::vector<DepthProbe> centers;
-  std::vector<Link> links;
-  for (std::uint32_t n = 0; n < clusters.size(); ++n) {
-    centers.push_back(clusters[n].fit.center);
-    for (const std::uint32_t b : clusters[n].neighbours) {
-      if (b > n) links.emplace_back(n, b);
-    }
-  }
-  std::vector<Cluster> result =
-      clustersOf(units, centers, Sharing(request, units, centers).run(), links);
-  for (Cluster& cluster : result) {
-    request.context.checkCancelled();
-    cluster.fit = fitBall(request.surface, cluster.points, cluster.fit.center, kFollow);
-    static int MB = getenv("MB") ? atoi(getenv("MB")) : 0;
-    if (MB) { std::vector<Vector3d> pts; for (std::size_t i = 0; i < cluster.points.size(); ++i) pts.emplace_back(cluster.points.x[i], cluster.points.y[i], cluster.points.z[i]); Fit o = fitBall(request.surface, cluster.points, probeDepth(request.surface, medial::minBall(pts).center), kFollow); if (o.standOff() < cluster.fit.standOff()) cluster.fit = o; }
-  }
-  return result;
-}
-
-std::vector<Cluster> settle(const ReduceRequest& request, const Units& units, std::vector<Cluster> clusters) {
-  for (int i = 0; i < kLastShares; ++i) clusters = reshare(request, units, clusters);
-  return clusters;
-}
-
-double worstOf(const std::vector<Cluster>& clusters) {
-  double worst = 0;
-  for (const Cluster& cluster : clusters) worst = std::max(worst, cluster.fit.standOff());
-  return worst;
-}
-
 }  // namespace
-
-Units::Units(const CellSet& cells, double size) : idCount_(cells.points().size()) {
-  std::vector<std::uint32_t> user(idCount_, kNone);  // which unit listed a corner last
-  AlignedBox3d box;
-  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    AlignedBox3d own;
-    for (const std::uint32_t p : cells.corners(cell)) own.extend(cells.points()[p]);
-    box.extend(own);
-    if (cell > 0 && box.diagonal().squaredNorm() > size * size) {
-      start_.push_back(static_cast<std::uint32_t>(ids_.size()));
-      box = own;
-    }
-    const auto unit = static_cast<std::uint32_t>(start_.size());
-    for (const std::uint32_t p : cells.corners(cell)) {
-      if (user[p] == unit) continue;
-      user[p] = unit;
-      ids_.push_back(p);
-      corners_.push_back(cells.points()[p]);
-    }
-  }
-  if (!ids_.empty()) start_.push_back(static_cast<std::uint32_t>(ids_.size()));
-}
-
-double Units::farthestSquared(std::size_t unit, const Vector3d& center) const {
-  double farthest = 0;
-  for (const Vector3d& p : corners(unit)) farthest = std::max(farthest, (p - center).squaredNorm());
-  return farthest;
-}
 
 double costStep(const ReduceRequest& request) {
   return kCostStep * request.surface.diagonal();
@@ -295,7 +217,7 @@ double costStep(const ReduceRequest& request) {
 
 std::vector<Cluster> medialClusters(const ReduceRequest& request, const Units& units,
                                     const medial::MedialAxis& axis, std::size_t leastCenters) {
-  const AlignedBox3d box = boundsOf(request.cells.points());
+  const AlignedBox3d box = boundsOf(units, 0, units.size());
   // A centre farther from the region's bounds than its own radius is not the best for any cell.
   std::vector<DepthProbe> centers;
   std::vector<std::uint32_t> number(axis.balls.size(), kNone);
@@ -315,27 +237,22 @@ std::vector<Cluster> medialClusters(const ReduceRequest& request, const Units& u
   return clustersOf(units, centers, Sharing(request, units, centers).run(), links);
 }
 
-std::vector<Ball> reduceInStages(const ReduceRequest& request, const ReduceTo& coarse, const ReduceTo& fine) {
-  const double share = std::sqrt(static_cast<double>(request.maxBalls));
-  const Units single(request.cells, 0);
-  double size = kCoarseUnit * boundsOf(request.cells.points()).diagonal().norm() / 2 / share;
-  Units grouped(request.cells, size);
-  // A long thin region has little surface.
-  while (grouped.size() < std::min(request.cells.size(), std::size_t{12} * request.maxBalls)) {
-    size /= 2;
-    grouped = Units(request.cells, size);
+std::vector<Cluster> reshare(const ReduceRequest& request, const Units& units,
+                             std::span<const Cluster> clusters, const FitEffort& effort) {
+  std::vector<DepthProbe> centers;
+  std::vector<Link> links;
+  for (std::uint32_t n = 0; n < clusters.size(); ++n) {
+    centers.push_back(clusters[n].fit.center);
+    for (const std::uint32_t b : clusters[n].neighbours) {
+      if (b > n) links.emplace_back(n, b);
+    }
   }
-  std::vector<Cluster> clusters =
-      medialClusters(request, grouped, request.axis, kCentersPerBall * request.maxBalls);
-  clusters = coarse(grouped, std::move(clusters), size_t(kCoarsePerBall * request.maxBalls));
-  clusters = reshare(request, single, clusters);
-  clusters = settle(request, single, fine(single, std::move(clusters), request.maxBalls));
-  while (clusters.size() > 1 && worstOf(clusters) <= request.goodEnough) {
-    std::vector<Cluster> fewer = settle(request, single, fine(single, clusters, clusters.size() - 1));
-    if (worstOf(fewer) > request.goodEnough) break;
-    clusters = std::move(fewer);
+  std::vector<Cluster> result = clustersOf(units, centers, Sharing(request, units, centers).run(), links);
+  for (Cluster& cluster : result) {
+    request.context.checkCancelled();
+    cluster.fit = fitBall(request.surface, cluster.points, cluster.fit.center, effort);
   }
-  return ballsOf(clusters);
+  return result;
 }
 
 std::vector<Cluster> withoutEmpty(std::vector<Cluster> clusters) {
@@ -352,9 +269,17 @@ std::vector<Cluster> withoutEmpty(std::vector<Cluster> clusters) {
   return result;
 }
 
+double worstOf(std::span<const Cluster> clusters) {
+  double worst = 0;
+  for (const Cluster& cluster : clusters) worst = std::max(worst, cluster.fit.standOff());
+  return worst;
+}
+
 std::vector<Ball> ballsOf(std::span<const Cluster> clusters) {
   std::vector<Ball> balls;
-  for (const Cluster& cluster : clusters) balls.push_back({cluster.fit.center.at, cluster.fit.reach});
+  for (const Cluster& cluster : clusters) {
+    balls.push_back({cluster.fit.center.at, cluster.fit.reach * (1 + kHoldsMargin)});
+  }
   return balls;
 }
 

@@ -3,51 +3,21 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "builders/fit_ball.hpp"
 #include "builders/reducer.hpp"
+#include "builders/units.hpp"
 #include "medial/ball.hpp"
-#include "medial/cell_set.hpp"
 #include "medial/medial_axis.hpp"
 
 namespace spheretree::builders {
 
-/// What is handed from ball to ball as a whole: cells that follow each other in the region.
-class Units {
- public:
-  /// As many cells in a unit as stay within a box of diagonal `size`, at least one.
-  Units(const medial::CellSet& cells, double size);
-
-  [[nodiscard]] std::size_t size() const noexcept { return start_.size() - 1; }
-  /// Corners of its cells, each once.
-  [[nodiscard]] std::span<const Eigen::Vector3d> corners(std::size_t unit) const noexcept {
-    return std::span(corners_).subspan(start_[unit], start_[unit + 1] - start_[unit]);
-  }
-  /// The same by their numbers in CellSet::points().
-  [[nodiscard]] std::span<const std::uint32_t> ids(std::size_t unit) const noexcept {
-    return std::span(ids_).subspan(start_[unit], start_[unit + 1] - start_[unit]);
-  }
-  [[nodiscard]] std::size_t idCount() const noexcept { return idCount_; }
-
-  /// Squared distance from `center` to the farthest corner.
-  [[nodiscard]] double farthestSquared(std::size_t unit, const Eigen::Vector3d& center) const;
-
- private:
-  std::vector<Eigen::Vector3d> corners_;
-  std::vector<std::uint32_t> ids_;
-  std::vector<std::uint32_t> start_{0};
-  std::size_t idCount_;
-};
-
 /// A ball and what it answers for.
 struct Cluster {
   Fit fit;                                ///< the ball holds all of its units
-  std::vector<std::uint32_t> units;       ///< numbers in a Units, in no particular order
+  std::vector<std::uint32_t> units;       ///< numbers in a Units, in no particular order; never none
   PointBlock points;                      ///< their corners; some may be listed twice
   std::vector<std::uint32_t> neighbours;  ///< other clusters, ascending
 };
@@ -61,23 +31,23 @@ struct Cluster {
 /// too.
 ///
 /// Clusters are neighbours when their medial balls are, or when their units share a corner. What is still
-/// apart is linked along a space-filling curve, so that everybody can reach everybody.
+/// apart is linked along a space-filling curve, so that everything can reach everything.
 [[nodiscard]] std::vector<Cluster> medialClusters(const ReduceRequest& request, const Units& units,
                                                   const medial::MedialAxis& axis, std::size_t leastCenters);
 
-/// Clusters in, at most so many out, with the same units between them.
-using ReduceTo = std::function<std::vector<Cluster>(const Units&, std::vector<Cluster>, std::size_t)>;
+/// Shares out all units anew, which need not be those that the clusters have, each to the centre that needs
+/// to stick out least for it; then the centres follow (fitBall()). Clusters that get nothing vanish, those
+/// that were neighbours stay neighbours. With the same units the largest overhang never grows.
+[[nodiscard]] std::vector<Cluster> reshare(const ReduceRequest& request, const Units& units,
+                                           std::span<const Cluster> clusters, const FitEffort& effort);
 
-/// The way from the medial balls of a region to few balls: `coarse` takes most of them away where nothing
-/// much depends on each, with units of several cells; then everything is shared out anew, cell by cell, and
-/// `fine` does the rest. At the end the cells are shared out again and the centres follow. With goodEnough
-/// the balls get fewer as long as none of them sticks out more.
-[[nodiscard]] std::vector<medial::Ball> reduceInStages(const ReduceRequest& request, const ReduceTo& coarse,
-                                                       const ReduceTo& fine);
-
-/// The clusters that have units left, renumbered.
+/// The clusters that have units, with their neighbours renumbered; the others must not be anybody's.
 [[nodiscard]] std::vector<Cluster> withoutEmpty(std::vector<Cluster> clusters);
 
+/// The largest overhang; 0 when nothing sticks out.
+[[nodiscard]] double worstOf(std::span<const Cluster> clusters);
+
+/// The balls, with radii that pass holds() for all they have to hold.
 [[nodiscard]] std::vector<medial::Ball> ballsOf(std::span<const Cluster> clusters);
 
 }  // namespace spheretree::builders

@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <span>
 #include <utility>
@@ -35,21 +34,22 @@ using Eigen::Vector3d;
 using medial::Ball;
 using medial::CellSet;
 
-double envd(const char* n, double d) { const char* s = getenv(n); return s ? atof(s) : d; }
-
 // A region is mostly hollow: this many more voxels than balls may still leave few enough occupied.
 constexpr std::uint32_t kMostVoxelsPerBall = 4;
 // Grids that occupy fewer than this share of the balls allowed are not worth a closer look.
 constexpr double kLeastUse = 0.5;
 // Cells that a grid is judged by.
-const std::size_t kSamplesPerBall = std::size_t(envd("GS", 24));
-// How many of the best grids are polished.
-const std::size_t kFinalists = std::size_t(envd("GF", 3));
-const int kPolishRounds = int(envd("GP", 60));
-const double kPolishDecay = envd("GD", 0.95);
-// Steps that a ball may move to stand off less.
-const int kSlideSteps = int(envd("GSL", 4));
-const bool kPushEstimate = envd("GPE", 0) > 0;
+constexpr std::size_t kFewPerBall = 16;
+// Cells that it is judged by when only a few grids are left.
+constexpr std::size_t kManyPerBall = 48;
+// How many of the best grids are looked at closely, and how many are polished.
+constexpr std::size_t kCandidates = 16;
+constexpr std::size_t kFinalists = 2;
+constexpr int kPolishRounds = 16;
+constexpr double kPolishDecay = 0.95;
+constexpr double kPolishStep = 0.5;
+// Steps that a ball may move to stand off less, and how long they are: a fraction of the stand-off.
+constexpr int kSlideSteps = 5;
 constexpr double kSlideLength = 0.3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -110,21 +110,195 @@ Vector3d middleOf(const CellSet& cells, std::size_t cell) {
   return sum / static_cast<double>(cells.corners(cell).size());
 }
 
-class GridSearch {
+struct Fitted {
+  Candidate center;
+  double overhang = kInfinity;
+};
+
+/// The ball around some points that sticks out little.
+Fitted bestBall(const medial::Surface& surface, std::span<const Vector3d> points) {
+  Fitted best;
+  best.center = pushInward(surface, medial::minBall(points).center);
+  best.overhang = pullOn(best.center, points).need;
+  for (const Candidate& place :
+       slide(surface, best.center, points, {kSlideLength * best.overhang, kSlideSteps})) {
+    const double need = pullOn(place, points).need;
+    if (need < best.overhang) best = {place, need};
+  }
+  return best;
+}
+
+/// Cells that stand for all of them while grids are compared.
+class Samples {
  public:
-  explicit GridSearch(const ReduceRequest& request) : request_(request) {
-    const CellSet& cells = request.cells;
-    for (const std::uint32_t cell : evenCells(cells, kSamplesPerBall * request.maxBalls)) {
+  Samples(const CellSet& cells, std::size_t count) {
+    for (const std::uint32_t cell : evenCells(cells, count)) {
       middle_.push_back(middleOf(cells, cell));
       for (const std::uint32_t p : cells.corners(cell)) {
         corner_.push_back(cells.points()[p]);
         cellOf_.push_back(static_cast<std::uint32_t>(middle_.size() - 1));
       }
     }
-    turnedCorner_.resize(corner_.size());
-    turnedMiddle_.resize(middle_.size());
+    turned_.resize(corner_.size());
+    local_.resize(middle_.size());
     voxelOf_.resize(middle_.size());
   }
+
+  /// Turns the samples into the axes of a grid.
+  void turn(const Matrix3d& axes) {
+    AlignedBox3d box;
+    for (std::size_t i = 0; i < middle_.size(); ++i) {
+      local_[i] = axes * middle_[i];
+      box.extend(local_[i]);
+    }
+    axes_ = axes;
+    origin_ = box.min();
+    for (int k = 0; k < 3; ++k) inverse_[k] = box.sizes()[k] > 0 ? 1 / box.sizes()[k] : 0;
+    for (Vector3d& p : local_) p = localOf(p);
+    for (std::size_t i = 0; i < corner_.size(); ++i) turned_[i] = axes * corner_[i];
+  }
+
+  /// Sorts the samples, turned for it, into the voxels of a grid. Returns how many are occupied; stops
+  /// counting at one more than `most`, and then the other results are void.
+  std::uint32_t assign(const Grid& grid, std::uint32_t most) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      // A shifted grid needs one more voxel along the axis.
+      size_[k] = grid.count[k] + (grid.shift[static_cast<int>(k)] > 0 ? 1 : 0);
+    }
+    slot_.assign(std::size_t{size_[0]} * size_[1] * size_[2], 0);
+    occupied_ = 0;
+    for (std::size_t i = 0; i < local_.size(); ++i) {
+      std::uint32_t& slot = slot_[voxelAt(grid, local_[i])];
+      if (slot == 0) {
+        slot = ++occupied_;
+        if (occupied_ > most) return occupied_;
+      }
+      voxelOf_[i] = slot - 1;
+    }
+    return occupied_;
+  }
+
+  /// About what the balls of the last assign() cost; infinite when that is not less than the limit.
+  Cost estimate(const medial::Surface& surface, const Cost& limit) {
+    measureVoxels();
+    Cost cost{0, 0};
+    for (const std::uint32_t v : order_) {
+      const double overhang = std::sqrt(squaredRadius_[v]) - surface.depth(axes_.transpose() * center_[v]);
+      cost.worst = std::max(cost.worst, overhang);
+      cost.sum += overhang;
+      if (!(cost < limit)) return {};
+    }
+    return cost;
+  }
+
+  /// Boxes what is in each voxel and orders the voxels: the largest first, it most likely rules the grid out.
+  void measureVoxels() {
+    boxes_.assign(occupied_, AlignedBox3d());
+    for (std::size_t i = 0; i < turned_.size(); ++i) boxes_[voxelOf_[cellOf_[i]]].extend(turned_[i]);
+    center_.resize(occupied_);
+    for (std::uint32_t v = 0; v < occupied_; ++v) center_[v] = boxes_[v].center();
+    squaredRadius_.assign(occupied_, 0);
+    for (std::size_t i = 0; i < turned_.size(); ++i) {
+      const std::uint32_t v = voxelOf_[cellOf_[i]];
+      squaredRadius_[v] = std::max(squaredRadius_[v], (turned_[i] - center_[v]).squaredNorm());
+    }
+    order_.resize(occupied_);
+    for (std::uint32_t v = 0; v < occupied_; ++v) order_[v] = v;
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return squaredRadius_[a] != squaredRadius_[b] ? squaredRadius_[a] > squaredRadius_[b] : a < b;
+    });
+  }
+
+  /// What the best balls of the last assign() cost, by the samples; infinite when that is not less than the
+  /// limit.
+  Cost judge(const medial::Surface& surface, const Cost& limit) {
+    measureVoxels();
+    Cost cost{0, 0};
+    for (const std::uint32_t v : order_) {
+      points_.clear();
+      for (std::size_t i = 0; i < corner_.size(); ++i) {
+        if (voxelOf_[cellOf_[i]] == v) points_.push_back(corner_[i]);
+      }
+      const Fitted ball = bestBall(surface, points_);
+      cost.worst = std::max(cost.worst, ball.overhang);
+      cost.sum += ball.overhang;
+      if (!(cost < limit)) return {};
+    }
+    return cost;
+  }
+
+  /// All cells by the occupied voxels of the last assign(). Cells in any other voxel go to the nearest of
+  /// those.
+  [[nodiscard]] std::vector<std::vector<std::uint32_t>> share(const Grid& grid, const CellSet& cells) {
+    boxes_.assign(occupied_, AlignedBox3d());
+    for (std::size_t i = 0; i < middle_.size(); ++i) boxes_[voxelOf_[i]].extend(axes_ * middle_[i]);
+    std::vector<std::vector<std::uint32_t>> shares(occupied_);
+    for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
+      const Vector3d middle = axes_ * middleOf(cells, cell);
+      const std::uint32_t slot = slot_[voxelAt(grid, localOf(middle))];
+      shares[slot > 0 ? slot - 1 : nearestBox(middle)].push_back(cell);
+    }
+    return shares;
+  }
+
+ private:
+  /// A place of the turned frame in the unit cube that the middles of the samples fill.
+  [[nodiscard]] Vector3d localOf(const Vector3d& turned) const {
+    return (turned - origin_).cwiseProduct(inverse_).cwiseMax(0).cwiseMin(1);
+  }
+
+  /// The voxel that a place of the unit cube is in.
+  [[nodiscard]] std::size_t voxelAt(const Grid& grid, const Vector3d& local) const {
+    std::size_t voxel = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<int>(k);
+      const double x = local[axis] * grid.count[k] + grid.shift[axis];
+      // Not negative, so truncation is the floor; the far end belongs to the last voxel.
+      voxel = voxel * size_[k] + std::min(static_cast<std::uint32_t>(x), size_[k] - 1);
+    }
+    return voxel;
+  }
+
+  [[nodiscard]] std::size_t nearestBox(const Vector3d& turned) const {
+    std::size_t nearest = 0;
+    double least = kInfinity;
+    for (std::size_t v = 0; v < boxes_.size(); ++v) {
+      const double squared = boxes_[v].squaredExteriorDistance(turned);
+      if (squared >= least) continue;
+      least = squared;
+      nearest = v;
+    }
+    return nearest;
+  }
+
+  std::vector<Vector3d> middle_;
+  std::vector<Vector3d> corner_;
+  std::vector<std::uint32_t> cellOf_;  // by corner
+  // After turn(): the middles in their own unit cube, the corners, and that cube.
+  Matrix3d axes_ = Matrix3d::Identity();
+  std::vector<Vector3d> local_;
+  std::vector<Vector3d> turned_;
+  Vector3d origin_ = Vector3d::Zero();
+  Vector3d inverse_ = Vector3d::Zero();
+  // After assign().
+  std::array<std::uint32_t, 3> size_{};
+  std::vector<std::uint32_t> slot_;     // by voxel: number among the occupied ones from 1 on, or 0
+  std::vector<std::uint32_t> voxelOf_;  // by middle: number among the occupied ones from 0 on
+  std::uint32_t occupied_ = 0;
+  // Scratch, by occupied voxel.
+  std::vector<AlignedBox3d> boxes_;
+  std::vector<Vector3d> center_;
+  std::vector<double> squaredRadius_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Vector3d> points_;
+};
+
+class GridSearch {
+ public:
+  explicit GridSearch(const ReduceRequest& request)
+      : request_(request),
+        few_(request.cells, kFewPerBall * request.maxBalls),
+        many_(request.cells, kManyPerBall * request.maxBalls) {}
 
   std::vector<Ball> run(const GridSettings& settings) {
     medial::Random random(request_.seed);
@@ -134,13 +308,13 @@ class GridSearch {
       request_.context.checkCancelled();
       tryOrientation(axes);
     }
+    lookClosely();
     std::vector<Ball> best;
     Cost least;
-    for (Judged& finalist : finalists_) {
+    for (Judged& finalist : candidates_) {
       request_.context.checkCancelled();
       polish(finalist, random);
-      Cost cost;
-      std::vector<Ball> balls = fit(finalist.grid, cost);
+      auto [balls, cost] = fit(finalist.grid);
       if (!(cost < least)) continue;
       least = cost;
       best = std::move(balls);
@@ -150,219 +324,107 @@ class GridSearch {
 
  private:
   void tryOrientation(const Matrix3d& axes) {
-    turn(axes);
+    few_.turn(axes);
     const std::uint32_t most = kMostVoxelsPerBall * request_.maxBalls;
     for (std::uint32_t nx = 1; nx <= most; ++nx) {
       for (std::uint32_t ny = 1; nx * ny <= most; ++ny) {
         for (std::uint32_t nz = 1; nx * ny * nz <= most; ++nz) {
           const Grid grid{axes, {nx, ny, nz}, Vector3d::Zero()};
-          const std::uint32_t occupied = assign(grid);
+          const std::uint32_t occupied = few_.assign(grid, request_.maxBalls);
           // More voxels along one axis hardly ever occupy fewer: the first overflow ends the row.
           if (occupied > request_.maxBalls) break;
           const bool single = nx * ny * nz == 1;
           if (!single && occupied < kLeastUse * request_.maxBalls) continue;
-          consider({grid, estimate(axes, occupied, limit())});
+          const bool full = candidates_.size() == kCandidates;
+          const Cost limit = full ? candidates_.back().cost : Cost{};
+          insert(candidates_, {grid, few_.estimate(request_.surface, limit)}, kCandidates);
         }
       }
     }
   }
 
-  /// What a grid must cost less than to be a finalist.
-  [[nodiscard]] Cost limit() const { return finalists_.size() < kFinalists ? Cost{} : finalists_.back().cost; }
+  /// Leaves the candidates that are best by many samples and real balls.
+  void lookClosely() {
+    std::vector<Judged> finalists;
+    for (const Judged& candidate : candidates_) {
+      const Cost limit = finalists.size() == kFinalists ? finalists.back().cost : Cost{};
+      insert(finalists, {candidate.grid, judge(candidate.grid, limit)}, kFinalists);
+    }
+    candidates_ = std::move(finalists);
+  }
 
-  void consider(const Judged& judged) {
-    if (!(judged.cost < limit()) && finalists_.size() >= kFinalists) return;
-    const auto at = std::upper_bound(finalists_.begin(), finalists_.end(), judged,
+  /// Keeps the best few, best first.
+  static void insert(std::vector<Judged>& list, const Judged& judged, std::size_t most) {
+    const auto at = std::upper_bound(list.begin(), list.end(), judged,
                                      [](const Judged& a, const Judged& b) { return a.cost < b.cost; });
-    finalists_.insert(at, judged);
-    if (finalists_.size() > kFinalists) finalists_.pop_back();
+    list.insert(at, judged);
+    if (list.size() > most) list.pop_back();
+  }
+
+  /// What a grid costs when one looks closely; infinite when it has too many balls or costs no less than the
+  /// limit.
+  Cost judge(const Grid& grid, const Cost& limit) {
+    many_.turn(grid.axes);
+    if (many_.assign(grid, request_.maxBalls) > request_.maxBalls) return {};
+    return many_.judge(request_.surface, limit);
   }
 
   /// Small turns and shifts, smaller and smaller, kept when they help.
   void polish(Judged& best, medial::Random& random) {
-    double step = 0.5;
+    double step = kPolishStep;
     for (int round = 0; round < kPolishRounds; ++round) {
       Grid grid = best.grid;
       grid.axes = grid.axes * smallRotation(random, step / 2);
       for (int k = 0; k < 3; ++k) {
         grid.shift[k] = std::clamp(grid.shift[k] + step * random.uniform(-1, 1), 0.0, 1.0);
       }
-      turn(grid.axes);
-      const std::uint32_t occupied = assign(grid);
-      if (occupied <= request_.maxBalls) {
-        const Cost cost = estimate(grid.axes, occupied, best.cost);
-        if (cost < best.cost) {
-          best = {grid, cost};
-          continue;
-        }
-      }
-      step *= kPolishDecay;
-    }
-  }
-
-  /// Places the samples in a turned frame.
-  void turn(const Matrix3d& axes) {
-    box_.setEmpty();
-    for (std::size_t i = 0; i < middle_.size(); ++i) {
-      turnedMiddle_[i] = axes * middle_[i];
-      box_.extend(turnedMiddle_[i]);
-    }
-    for (std::size_t i = 0; i < corner_.size(); ++i) turnedCorner_[i] = axes * corner_[i];
-  }
-
-  /// The voxel, in a grid of `size` voxels, that a place of the turned frame is in.
-  [[nodiscard]] std::size_t voxelAt(const Grid& grid, const std::array<std::uint32_t, 3>& size,
-                                    const Vector3d& turned) const {
-    std::size_t voxel = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto axis = static_cast<int>(k);
-      const double length = box_.max()[axis] - box_.min()[axis];
-      const double local = length > 0 ? (turned[axis] - box_.min()[axis]) / length : 0;
-      const double x = std::clamp(local, 0.0, 1.0) * grid.count[k] + grid.shift[axis];
-      // Not negative, so truncation is the floor; the far end belongs to the last voxel.
-      voxel = voxel * size[k] + std::min(static_cast<std::uint32_t>(x), size[k] - 1);
-    }
-    return voxel;
-  }
-
-  static std::array<std::uint32_t, 3> sizeOf(const Grid& grid) {
-    std::array<std::uint32_t, 3> size{};  // a shifted grid needs one more voxel along the axis
-    for (std::size_t k = 0; k < 3; ++k) {
-      size[k] = grid.count[k] + (grid.shift[static_cast<int>(k)] > 0 ? 1 : 0);
-    }
-    return size;
-  }
-
-  /// Numbers the occupied voxels in voxelOf_ (by sample) and returns how many there are. Stops counting, and
-  /// leaves voxelOf_ unfinished, one voxel after too many.
-  std::uint32_t assign(const Grid& grid) {
-    const std::array<std::uint32_t, 3> size = sizeOf(grid);
-    slot_.assign(std::size_t{size[0]} * size[1] * size[2], 0);
-    std::uint32_t occupied = 0;
-    for (std::size_t i = 0; i < turnedMiddle_.size(); ++i) {
-      std::uint32_t& slot = slot_[voxelAt(grid, size, turnedMiddle_[i])];
-      if (slot == 0) {
-        slot = ++occupied;
-        if (occupied > request_.maxBalls) return occupied;
-      }
-      voxelOf_[i] = slot - 1;
-    }
-    return occupied;
-  }
-
-  /// About what the balls of the last assign() cost; infinite when that is not less than the limit.
-  Cost estimate(const Matrix3d& axes, std::uint32_t occupied, const Cost& limit) {
-    boxes_.assign(occupied, AlignedBox3d());
-    for (std::size_t i = 0; i < turnedCorner_.size(); ++i) boxes_[voxelOf_[cellOf_[i]]].extend(turnedCorner_[i]);
-    squaredRadius_.assign(occupied, 0);
-    center_.resize(occupied);
-    for (std::uint32_t v = 0; v < occupied; ++v) center_[v] = boxes_[v].center();
-    for (std::size_t i = 0; i < turnedCorner_.size(); ++i) {
-      const std::uint32_t v = voxelOf_[cellOf_[i]];
-      squaredRadius_[v] = std::max(squaredRadius_[v], (turnedCorner_[i] - center_[v]).squaredNorm());
-    }
-    // The largest first: it most likely rules the grid out.
-    order_.resize(occupied);
-    for (std::uint32_t v = 0; v < occupied; ++v) order_[v] = v;
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return squaredRadius_[a] != squaredRadius_[b] ? squaredRadius_[a] > squaredRadius_[b] : a < b;
-    });
-    Cost cost{0, 0};
-    for (const std::uint32_t v : order_) {
-      const Vector3d center = axes.transpose() * center_[v];
-      double overhang;
-      if (kPushEstimate) {
-        const Candidate c = pushInward(request_.surface, center);
-        double far = 0;
-        const Vector3d tc = axes * c.center;
-        for (std::size_t i = 0; i < turnedCorner_.size(); ++i) if (voxelOf_[cellOf_[i]] == v) far = std::max(far, (turnedCorner_[i] - tc).squaredNorm());
-        overhang = std::sqrt(far) - c.depth;
+      const Cost cost = judge(grid, best.cost);
+      if (cost < best.cost) {
+        best = {grid, cost};
       } else {
-        overhang = std::sqrt(squaredRadius_[v]) - request_.surface.depth(center);
+        step *= kPolishDecay;
       }
-      cost.worst = std::max(cost.worst, overhang);
-      cost.sum += overhang;
-      if (!(cost < limit)) return {};
     }
-    return cost;
   }
 
-  /// The best ball for each voxel that a sample is in. Cells in any other voxel go to the nearest of those.
-  std::vector<Ball> fit(const Grid& grid, Cost& cost) {
-    turn(grid.axes);
-    const std::uint32_t occupied = assign(grid);
-    boxes_.assign(occupied, AlignedBox3d());
-    for (std::size_t i = 0; i < turnedMiddle_.size(); ++i) boxes_[voxelOf_[i]].extend(turnedMiddle_[i]);
+  /// The best balls that the voxels can have, by all cells.
+  std::pair<std::vector<Ball>, Cost> fit(const Grid& grid) {
+    many_.turn(grid.axes);
+    Samples* samples = &many_;
+    if (many_.assign(grid, request_.maxBalls) > request_.maxBalls) {
+      // Few saw fewer voxels.
+      few_.turn(grid.axes);
+      few_.assign(grid, request_.maxBalls);
+      samples = &few_;
+    }
     const CellSet& cells = request_.cells;
-    const std::array<std::uint32_t, 3> size = sizeOf(grid);
-    std::vector<std::vector<std::uint32_t>> corners(occupied);
-    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-      const Vector3d middle = grid.axes * middleOf(cells, cell);
-      const std::uint32_t slot = slot_[voxelAt(grid, size, middle)];
-      std::vector<std::uint32_t>& own = corners[slot > 0 ? slot - 1 : nearestBox(middle)];
-      own.insert(own.end(), cells.corners(cell).begin(), cells.corners(cell).end());
-    }
     std::vector<Ball> balls;
-    cost = {0, 0};
+    Cost cost{0, 0};
+    std::vector<std::uint32_t> corners;
     std::vector<Vector3d> points;
-    for (std::vector<std::uint32_t>& own : corners) {
-      std::sort(own.begin(), own.end());
-      own.erase(std::unique(own.begin(), own.end()), own.end());
+    for (const std::vector<std::uint32_t>& share : samples->share(grid, cells)) {
+      corners.clear();
+      for (const std::uint32_t cell : share) {
+        corners.insert(corners.end(), cells.corners(cell).begin(), cells.corners(cell).end());
+      }
+      std::sort(corners.begin(), corners.end());
+      corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
       points.clear();
-      for (const std::uint32_t p : own) points.push_back(cells.points()[p]);
-      const auto [ball, overhang] = bestBall(points);
-      balls.push_back(ball);
-      cost.worst = std::max(cost.worst, overhang);
-      cost.sum += overhang;
+      for (const std::uint32_t p : corners) points.push_back(cells.points()[p]);
+      const Fitted ball = bestBall(request_.surface, points);
+      // Adding the depth to what is left after taking it away may round down.
+      constexpr double kUp = 1 + 4 * std::numeric_limits<double>::epsilon();
+      balls.push_back({ball.center.center, (ball.center.depth + ball.overhang) * kUp});
+      cost.worst = std::max(cost.worst, ball.overhang);
+      cost.sum += ball.overhang;
     }
-    return balls;
-  }
-
-  [[nodiscard]] std::size_t nearestBox(const Vector3d& place) const {
-    std::size_t nearest = 0;
-    double least = kInfinity;
-    for (std::size_t v = 0; v < boxes_.size(); ++v) {
-      const double squared = boxes_[v].squaredExteriorDistance(place);
-      if (squared >= least) continue;
-      least = squared;
-      nearest = v;
-    }
-    return nearest;
-  }
-
-  std::pair<Ball, double> bestBall(std::span<const Vector3d> points) const {
-    const Ball smallest = medial::minBall(points);
-    Candidate best = pushInward(request_.surface, smallest.center);
-    double need = pullOn(best, points).need;
-    for (const Candidate& place : slide(request_.surface, best, points, {kSlideLength * need, kSlideSteps})) {
-      const double other = pullOn(place, points).need;
-      if (other >= need) continue;
-      need = other;
-      best = place;
-    }
-    // Adding the depth to what is left after taking it away may round down.
-    constexpr double kUp = 1 + 4 * std::numeric_limits<double>::epsilon();
-    return {{best.center, (best.depth + need) * kUp}, need};
+    return {std::move(balls), cost};
   }
 
   const ReduceRequest& request_;
-  // Of the samples, and of their corners.
-  std::vector<Vector3d> middle_;
-  std::vector<Vector3d> corner_;
-  std::vector<std::uint32_t> cellOf_;
-  // The same in the frame of the last turn(), and the box of the middles.
-  std::vector<Vector3d> turnedMiddle_;
-  std::vector<Vector3d> turnedCorner_;
-  AlignedBox3d box_;
-  // Voxels of the last assign().
-  std::vector<std::uint32_t> voxelOf_;
-  std::vector<std::uint32_t> slot_;
-  // Scratch of estimate(), by voxel.
-  std::vector<AlignedBox3d> boxes_;
-  std::vector<Vector3d> center_;
-  std::vector<double> squaredRadius_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Judged> finalists_;  // the best grids so far, best first
+  Samples few_;
+  Samples many_;
+  std::vector<Judged> candidates_;  // the best grids so far, best first
 };
 
 class GridReducer final : public Reducer {

@@ -44,8 +44,10 @@ Candidate largestBall(const Surface& surface, const Vector3d& touch, const Vecto
     radius = smaller;
     shrunk = true;
   }
+  if (best.depth <= known.depth) return known;
   // At a sharp edge the way in may lead out again on the other side.
-  return best.depth > known.depth && surface.inside(best.center) ? best : known;
+  const bool near = (best.center - known.center).norm() < known.depth;
+  return near || surface.inside(best.center) ? best : known;
 }
 
 // Points within this fraction of what their ball needs pull it together.
@@ -57,9 +59,10 @@ Candidate growInward(const Surface& surface, const Vector3d& touch, const Vector
   return largestBall(surface, touch, inward, radius, {touch, 0});
 }
 
-Candidate pushInward(const Surface& surface, const Vector3d& point) {
+Candidate pushInward(const Surface& surface, const Vector3d& point, const Candidate* known) {
   const ClosestPoint closest = surface.closestPoint(point);
-  const bool inside = surface.inside(point);
+  const bool near = known != nullptr && (point - known->center).norm() < known->depth;
+  const bool inside = near || surface.inside(point);
   const Candidate start{point, inside ? closest.distance : -closest.distance};
   if (!(closest.distance > kEmpty * surface.diagonal())) return start;
   const Vector3d inward = (inside ? 1 : -1) / closest.distance * (point - closest.point);
@@ -87,7 +90,7 @@ std::vector<Candidate> slide(const Surface& surface, const Candidate& ball, std:
   Pull pull = pullOn(ball, points);
   double length = settings.length;
   for (int i = 0; i < settings.steps; ++i) {
-    places.push_back(pushInward(surface, best.center + length * pull.direction));
+    places.push_back(pushInward(surface, best.center + length * pull.direction, &best));
     const Pull next = pullOn(places.back(), points);
     if (next.need < pull.need) {
       best = places.back();

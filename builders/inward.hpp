@@ -24,8 +24,10 @@ struct Candidate {
 
 /// Moves a point straight away from the nearest point of the surface, or through it from outside, until
 /// another one is nearly as near: close to the medial axis. On the way in the depth grows at least as fast as
-/// the distance to anything, so no cell needs a greater stand-off than it did.
-[[nodiscard]] Candidate pushInward(const medial::Surface& surface, const Eigen::Vector3d& point);
+/// the distance to anything, so no cell needs a greater stand-off than it did. A known ball around the point,
+/// of radius depth, saves a test for being inside.
+[[nodiscard]] Candidate pushInward(const medial::Surface& surface, const Eigen::Vector3d& point,
+                                   const Candidate* known = nullptr);
 
 /// What a ball needs for some points.
 struct Pull {

@@ -640,9 +640,12 @@ class LevelRefiner {
       }
       std::sort(order.begin(), order.end());
       for (const auto& [price, v] : order) {
+        if (balls_[v].pieces.empty()) continue;
         request_.context.checkCancelled();
         std::vector<std::uint32_t> members{v};
-        for (const std::uint32_t n : neighbours(v, kMostNeighbours)) members.push_back(n);
+        for (const std::uint32_t n : neighbours(v, kMostNeighbours)) {
+          if (!balls_[n].pieces.empty()) members.push_back(n);  // what is out of use stays so
+        }
         Patch patch(request_, problem_, balls_, members, cost_);
         const double allowed = std::max(request_.goodEnough, patch.worst());
         if (!patch.remove(0)) continue;

@@ -53,8 +53,8 @@ struct CombinedSettings {
 /// Everything that decides the bytes of a tree, with the only defaults there are.
 struct BuildSettings {
   std::string builder = "combined";  ///< a name of the catalogue (`spheretree list`)
-  std::uint32_t branch = 8;         ///< most children of a node, at least 2
-  std::uint32_t levels = 4;         ///< levels wanted, the root included, at least 1
+  std::uint32_t branch = 8;          ///< most children of a node, at least 2
+  std::uint32_t levels = 4;          ///< levels wanted, the root included, at least 1
   double maxError = 0;  ///< a ball with at most this overhang (fraction of the diagonal) is not refined
   Cover cover = Cover::Surface;
   std::uint64_t seed = 1;  ///< feeds every random choice; the same seed gives the same bytes

@@ -316,7 +316,7 @@ void StandOffSearch::jump(const Candidate& ball, std::span<const Vector3d> point
     for (int k = 0; k < 3; ++k) turn[k] = random_.uniform(-1, 1);
   } while (turn.squaredNorm() > 1);
   const Vector3d place = ball.center + length * (pullOn(ball, points).direction + turn);
-  table_.addCandidate(pushInward(request_.surface, place));
+  table_.addCandidate(pushInward(request_.surface, place, &ball));
 }
 
 void StandOffSearch::lowerMean(double limit) {

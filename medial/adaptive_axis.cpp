@@ -35,8 +35,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // reach. A region of 200 balls takes about 60.
 constexpr std::uint32_t kMostInsertions = 500;
 constexpr std::uint32_t kInsertionsPerBall = 2;  // where the solid is thin, a site gives one ball
-// An insertion that makes more tetrahedra counts as several: a cospherical mesh is rebuilt by each.
-constexpr std::size_t kUsualStar = 48;
+// An insertion that makes more balls counts as several: a cospherical mesh is rebuilt by each. Balls, because
+// the number of tetrahedra without one hangs on rounding where sites are in a plane.
+constexpr std::uint32_t kUsualStar = 32;
 // No site is added nearer to another one than this fraction of the diagonal.
 constexpr double kSeparation = 1e-6;
 // Lengths nearer to each other than this fraction of the diagonal are equal, and what comes first is first:
@@ -289,16 +290,19 @@ class Refiner {
     const auto index = static_cast<std::uint32_t>(sites_.size());
     const Vector3d point = frame_.forward(site.point);
     const Delaunay::Change change = delaunay_->insert(point, index, near);
-    insertions_ += 1 + static_cast<std::uint32_t>(change.created.size() / kUsualStar);
+    ++insertions_;
     context_.checkCancelled();
     if (change.created.empty()) return;
     sites_.push_back(site);
     points_.push_back(point);
     candidates_.resize(delaunay_->size());
+    std::uint32_t balls = 0;
     for (const std::uint32_t tetrahedron : change.created) {
       measure(tetrahedron);
       enlist(tetrahedron);
+      balls += candidates_[tetrahedron].ball.depth > 0 ? 1U : 0U;
     }
+    insertions_ += balls / kUsualStar;
   }
 
   /// Inserts until no ball of the region sticks out more than wanted. The nearest point of such a ball is

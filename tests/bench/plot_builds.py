@@ -29,7 +29,7 @@ STYLES = {
     "merge": ("square", "#1a7f37", "#4ac26b"),
     "burst": ("diamond", "#bf3989", "#f778ba"),
     "expand": ("triangle-down", "#9a6700", "#e3c04a"),
-    "combined, as in the paper": ("cross", "#8250df", "#bc8cff"),
+    "combined, not refined": ("cross", "#8250df", "#bc8cff"),
     "combined fast": ("triangle", "#54aeff", "#1f6feb"),
     "combined normal": ("circle", "#0969da", "#58a6ff"),
     "combined best": ("square", "#0a3069", "#b6daff"),
@@ -52,10 +52,10 @@ LEGEND_COLUMNS, LEGEND_ROW = 4, 22
 class Row:
     """One level of one build. `seconds` are those of the whole build, by number of threads."""
 
-    def __init__(self, cells):
+    def __init__(self, cells, usual_reducers):
         self.model = cells["model"]
         self.triangles = int(cells["triangles"])
-        self.series = series_of(cells)
+        self.series = series_of(cells, usual_reducers)
         self.level = int(cells["level"])
         self.spheres = int(cells["spheres"])
         self.worst = float(cells["worst"])
@@ -71,12 +71,12 @@ class Row:
         return max(self.seconds[min(self.seconds)], 1e-3)
 
 
-def series_of(cells):
-    """The name under which a build appears: what distinguishes it from the defaults of its builder."""
+def series_of(cells, usual_reducers):
+    """The name under which a build appears: what distinguishes it from what its builder usually does."""
     builder, refined, linked = cells["builder"], cells["refine"] == "on", cells["link"] == "on"
     if builder == "combined":
-        name = "combined " + cells["quality"] if refined else "combined, as in the paper"
-        if cells["reducers"] != "merge+burst+expand":
+        name = "combined " + cells["quality"] if refined else "combined, not refined"
+        if cells["reducers"] != usual_reducers:
             name += " of " + cells["reducers"]
         if refined and not linked:
             name += ", not linked"
@@ -91,14 +91,16 @@ def series_of(cells):
 
 def read(paths):
     """Rows by model, in the order of the files, and the remarks at their heads."""
-    models, remarks = {}, []
+    models, remarks, usual = {}, [], None  # the reducers of the first combined are taken for the usual ones
     for path in paths:
         lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line]
         remarks += [line[2:] for line in lines if line.startswith("# ") and line[2:] not in remarks]
         lines = [line for line in lines if not line.startswith("#")]
         # A file may be several runs, one after the other.
         for cells in csv.DictReader(line for i, line in enumerate(lines) if i == 0 or line != lines[0]):
-            row = Row(cells)
+            if usual is None and cells["builder"] == "combined":
+                usual = cells["reducers"]
+            row = Row(cells, usual)
             rows = models.setdefault(row.model, {})
             row = rows.setdefault((row.series, row.level), row)
             if row.hash != cells["tree_hash"]:
@@ -366,4 +368,7 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except OSError as failure:
+        sys.exit(f"plot_builds.py: {failure}")

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "builders/settings.hpp"
 #include "tests/cli/program.hpp"
 
 namespace spheretree::tests {
@@ -17,6 +18,12 @@ namespace {
 using Json = nlohmann::json;
 using Arguments = std::vector<std::string>;
 using Names = std::vector<std::string>;
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+  return text;
+}
 
 /// Few levels and samples: these tests are about the program, not about the tree.
 Arguments smallBuild(Arguments more) {
@@ -73,22 +80,23 @@ TEST_F(Build, TheReportHoldsTheDocumentedKeys) {
 }
 
 TEST_F(Build, CombinedTellsWhoWonAndWhatAutoMeant) {
-  const Finished finished = run(
-      smallBuild({"--quality", "fast", "--axis-balls", "50", "--report", "box.json", "--report", "box.csv"}));
+  const Finished finished =
+      run(smallBuild({"--quality", "fast", "--axis-balls", "50", "--reducers", "expand,merge,grid",
+                      "--report", "box.json", "--report", "box.csv"}));
   ASSERT_EQ(finished.exitCode, 0) << finished.err;
-  EXPECT_NE(finished.out.find("combined of merge, burst, expand: branch 8, 3 levels, seed 1, quality fast, "
+  EXPECT_NE(finished.out.find("combined of grid, merge, expand: branch 8, 3 levels, seed 1, quality fast, "
                               "refined, linked\n"),
             std::string::npos)
       << finished.out;
   EXPECT_NE(finished.out.find("sets won\n"), std::string::npos) << finished.out;
-  const Json report = Json::parse(read("box.json"));
-  const Json& settings = report.at("settings");
+  const auto report = nlohmann::ordered_json::parse(read("box.json"));
+  const auto& settings = report.at("settings");
   EXPECT_EQ(settings.at("builder"), "combined");
   EXPECT_EQ(settings.at("quality"), "fast");
   EXPECT_EQ(settings.at("objective"), "worst");
   EXPECT_EQ(settings.at("refine"), "on");
   EXPECT_EQ(settings.at("link"), "on");
-  EXPECT_EQ(settings.at("reducers"), Json({"merge", "burst", "expand"}));
+  EXPECT_EQ(settings.at("reducers"), nlohmann::ordered_json({"grid", "merge", "expand"}));
   EXPECT_EQ(settings.at("axis_error"), 0.5);
   EXPECT_EQ(settings.at("axis_balls"), 50);
 
@@ -287,11 +295,13 @@ TEST_F(Config, OneForAllBuildersServesEach) {
 TEST_F(Build, PrintedDefaultsNeedNoFiles) {
   const Finished printed = run({"build", "--print-config"});
   EXPECT_EQ(printed.exitCode, 0) << printed.err;
-  for (const char* line : {"builder=\"combined\"\n", "branch=8\n", "levels=4\n", "max-error=0\n",
-                           "cover=\"surface\"\n", "seed=1\n", "quality=\"normal\"\n", "objective=\"worst\"\n",
-                           "refine=\"auto\"\n", "link=\"auto\"\n", "reducers=\"merge,burst,expand\"\n",
-                           "axis-error=0.5\n", "axis-balls=200\n", "repair=\"auto\"\n", "samples=2000\n"})
+  for (const char* line :
+       {"builder=\"combined\"\n", "branch=8\n", "levels=4\n", "max-error=0\n", "cover=\"surface\"\n",
+        "seed=1\n", "quality=\"normal\"\n", "objective=\"worst\"\n", "refine=\"auto\"\n", "link=\"auto\"\n",
+        "axis-error=0.5\n", "axis-balls=200\n", "repair=\"auto\"\n", "samples=2000\n"})
     EXPECT_NE(printed.out.find(line), std::string::npos) << line << " in\n" << printed.out;
+  const std::string reducers = joined(builders::BuildSettings{}.combined.reducers);
+  EXPECT_NE(printed.out.find("reducers=\"" + reducers + "\"\n"), std::string::npos) << printed.out;
 }
 
 TEST_F(Build, TheCommandLineWinsOverTheConfig) {

@@ -44,6 +44,7 @@ std::vector<Row> buildRows() {
       builders::BuildSettings settings;
       settings.builder = builder.name;
       settings.levels = 3;
+      settings.quality = builders::Quality::Fast;
       settings.hubbard.samples = 800;
       settings.grid.orientations = 3;
       const auto built = builders::buildTree(solid.surface, settings, medial::Context(2));

@@ -87,6 +87,7 @@ TEST_P(CoverProperty, HoldsForTheSolid) {
     BuildSettings settings = test::quickSettings(GetParam().name);
     settings.branch = 5;
     settings.cover = Cover::Solid;
+    settings.quality = builders::Quality::Fast;
     settings.hubbard.samples = 400;
     settings.grid.orientations = 1;
     checkTree(solid.surface, settings);

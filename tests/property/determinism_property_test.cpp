@@ -20,6 +20,7 @@ TEST(Determinism, ThreadsDoNotChangeABit) {
     for (const CatalogueEntry& builder : catalogue()) {
       SCOPED_TRACE(solid.name + " " + std::string(builder.name));
       BuildSettings settings = test::quickSettings(builder.name);
+      settings.quality = builders::Quality::Fast;
       settings.hubbard.samples = 800;
       settings.grid.orientations = 3;
       const Result<BuildResult> one = buildTree(solid.surface, settings, medial::Context(1));

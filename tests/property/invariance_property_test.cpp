@@ -27,6 +27,7 @@ struct Errors {
 
 Errors errorsOf(const medial::TriangleMesh& mesh, std::string_view builder, double length) {
   BuildSettings settings = test::quickSettings(builder);
+  settings.quality = builders::Quality::Fast;
   settings.hubbard.samples = 800;
   settings.grid.orientations = 3;
   const Result<medial::Surface> surface = medial::Surface::create(mesh);

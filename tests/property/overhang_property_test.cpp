@@ -41,6 +41,7 @@ TEST(OverhangProperty, BracketsDenseSampling) {
     for (const CatalogueEntry& builder : catalogue()) {
       SCOPED_TRACE(solid.name + " " + std::string(builder.name));
       BuildSettings settings = test::quickSettings(builder.name, 2);
+      settings.quality = builders::Quality::Fast;
       settings.hubbard.samples = 300;
       settings.grid.orientations = 1;
       const Result<BuildResult> built = buildTree(solid.surface, settings, medial::Context(2));

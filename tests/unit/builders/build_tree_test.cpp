@@ -9,6 +9,7 @@
 
 #include "builders/catalogue.hpp"
 #include "models/shapes.hpp"
+#include "tests/support/trees.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -19,15 +20,6 @@ medial::Surface surfaceOf(medial::TriangleMesh mesh) {
   return std::move(medial::Surface::create(std::move(mesh))).value();
 }
 
-BuildSettings settingsOf(std::string_view builder, std::uint32_t levels) {
-  BuildSettings settings;
-  settings.builder = builder;
-  settings.levels = levels;
-  settings.quality = Quality::Fast;
-  settings.axis = {1, 50};
-  return settings;
-}
-
 class EveryBuilder : public testing::TestWithParam<CatalogueEntry> {};
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryBuilder, testing::ValuesIn(catalogue().begin(), catalogue().end()),
@@ -35,7 +27,8 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EveryBuilder, testing::ValuesIn(catalogue().
 
 TEST_P(EveryBuilder, KeepsItsPromises) {
   const medial::Surface torus = surfaceOf(models::makeTorus(1, 0.25, 24, 12));
-  const Result<BuildResult> built = buildTree(torus, settingsOf(GetParam().name, 3), medial::Context(2));
+  const Result<BuildResult> built =
+      buildTree(torus, test::quickSettings(GetParam().name, 3), medial::Context(2));
   ASSERT_TRUE(built.ok()) << built.error().message;
   const BuildReport& report = built->report;
   ASSERT_EQ(report.levels.size(), built->tree.levelCount());
@@ -55,21 +48,22 @@ TEST_P(EveryBuilder, KeepsItsPromises) {
 TEST_P(EveryBuilder, TakesAnyBranchAndAnyDepth) {
   const medial::Surface block = surfaceOf(models::makeLBlock());
   for (const std::uint32_t branch : {2U, 3U, 27U}) {
-    BuildSettings settings = settingsOf(GetParam().name, branch == 2 ? 5 : (branch == 3 ? 3 : 2));
+    BuildSettings settings = test::quickSettings(GetParam().name, branch == 2 ? 5 : (branch == 3 ? 3 : 2));
     settings.branch = branch;
     const Result<BuildResult> built = buildTree(block, settings, medial::Context(2));
     ASSERT_TRUE(built.ok()) << built.error().message;
     EXPECT_LE(built->tree.maxChildren(), branch);
     EXPECT_EQ(built->tree.levelCount(), settings.levels);
   }
-  const Result<BuildResult> single = buildTree(block, settingsOf(GetParam().name, 1), medial::Context(1));
+  const Result<BuildResult> single =
+      buildTree(block, test::quickSettings(GetParam().name, 1), medial::Context(1));
   ASSERT_TRUE(single.ok());
   EXPECT_EQ(single->tree.nodes().size(), 1U);
 }
 
 TEST_P(EveryBuilder, CoversTheSolidWhenAsked) {
   for (const medial::TriangleMesh& mesh : {models::makeBox({1, 2, 3}), models::makeUBlock()}) {
-    BuildSettings settings = settingsOf(GetParam().name, 3);
+    BuildSettings settings = test::quickSettings(GetParam().name, 3);
     settings.cover = Cover::Solid;
     const medial::Surface surface = surfaceOf(mesh);
     const Result<BuildResult> built = buildTree(surface, settings, medial::Context(2));
@@ -84,7 +78,7 @@ TEST_P(EveryBuilder, CoversTheSolidWhenAsked) {
 
 TEST_P(EveryBuilder, StopsWhereTheErrorIsSmallEnough) {
   const medial::Surface ball = surfaceOf(models::makeBall(1, 3));
-  BuildSettings settings = settingsOf(GetParam().name, 6);
+  BuildSettings settings = test::quickSettings(GetParam().name, 6);
   // The ball around an icosphere overhangs by less than a hundredth of its diagonal: one ball is enough.
   settings.maxError = 0.01;
   const Result<BuildResult> enough = buildTree(ball, settings, medial::Context(2));
@@ -99,7 +93,7 @@ TEST_P(EveryBuilder, StopsWhereTheErrorIsSmallEnough) {
   ASSERT_TRUE(block4.ok());
   EXPECT_TRUE(block4->report.errorBoundMet);
   EXPECT_LE(block4->report.levels.back().metrics.overhangWorst.upper, 0.1 * block.diagonal());
-  const BuildSettings full = settingsOf(GetParam().name, settings.levels);
+  const BuildSettings full = test::quickSettings(GetParam().name, settings.levels);
   const Result<BuildResult> unlimited = buildTree(block, full, medial::Context(2));
   ASSERT_TRUE(unlimited.ok());
   EXPECT_LT(block4->tree.nodes().size(), unlimited->tree.nodes().size());
@@ -115,14 +109,14 @@ TEST_P(EveryBuilder, StopsWhenCancelled) {
   const medial::Surface torus = surfaceOf(models::makeTorus(1, 0.25, 36, 16));
   medial::Context context(2);
   context.cancel();
-  const Result<BuildResult> built = buildTree(torus, settingsOf(GetParam().name, 4), context);
+  const Result<BuildResult> built = buildTree(torus, test::quickSettings(GetParam().name, 4), context);
   ASSERT_FALSE(built.ok());
   EXPECT_EQ(built.error().code, ErrorCode::Cancelled);
 }
 
 TEST(BuildTree, ABallMeshNeedsOneBall) {
   const medial::Surface ball = surfaceOf(models::makeBall(1, 4));
-  const Result<BuildResult> built = buildTree(ball, settingsOf("hubbard", 3), medial::Context(2));
+  const Result<BuildResult> built = buildTree(ball, test::quickSettings("hubbard", 3), medial::Context(2));
   ASSERT_TRUE(built.ok());
   const LevelMetrics& root = built->report.levels[0].metrics;
   EXPECT_LT(root.overhangWorst.upper, 0.002 * ball.diagonal());
@@ -131,7 +125,7 @@ TEST(BuildTree, ABallMeshNeedsOneBall) {
 
 TEST(BuildTree, TheRootOfABoxOverhangsAtItsLargestFace) {
   const medial::Surface box = surfaceOf(models::makeBox({3, 2, 1}));
-  const Result<BuildResult> built = buildTree(box, settingsOf("octree", 1), medial::Context(1));
+  const Result<BuildResult> built = buildTree(box, test::quickSettings("octree", 1), medial::Context(1));
   ASSERT_TRUE(built.ok());
   const double expected = std::sqrt(14.0) / 2 - 0.5;
   EXPECT_NEAR(built->report.levels[0].metrics.overhangWorst.upper, expected, 1e-4);

@@ -41,16 +41,15 @@ std::size_t setsBelow(const SphereTree& tree, std::size_t level) {
 }
 
 TEST(Combined, OneReducerIsThatReducerAlone) {
-  for (const medial::Surface& surface :
-       {surfaceOf(models::makeLBlock()), surfaceOf(models::makeKnot(24, 6))}) {
-    for (const CatalogueEntry& entry : catalogue()) {
-      if (entry.makeReducer == nullptr) continue;
-      SCOPED_TRACE(entry.name);
-      const BuildResult alone = build(surface, test::quickSettings(entry.name));
-      const BuildResult combined = build(surface, naked({std::string(entry.name)}));
-      EXPECT_TRUE(test::sameBits(alone.tree, combined.tree));
-      EXPECT_EQ(alone.report.levels.at(2).winners, combined.report.levels.at(2).winners);
-    }
+  const medial::Surface surface = surfaceOf(models::makeLBlock());
+  for (const CatalogueEntry& entry : catalogue()) {
+    if (entry.makeReducer == nullptr) continue;
+    SCOPED_TRACE(entry.name);
+    const BuildResult alone = build(surface, test::quickSettings(entry.name));
+    const BuildResult combined = build(surface, naked({std::string(entry.name)}));
+    EXPECT_TRUE(test::sameBits(alone.tree, combined.tree));
+    for (std::size_t level = 1; level < combined.report.levels.size(); ++level)
+      EXPECT_EQ(alone.report.levels.at(level).winners, combined.report.levels[level].winners);
   }
 }
 

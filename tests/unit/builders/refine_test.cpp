@@ -48,8 +48,8 @@ TEST(FitBall, OneBallAroundACubeSitsInItsMiddle) {
   const Vector3d middle = cube.bounds().center();
   const DepthProbe start = probeDepth(cube, middle + Vector3d(0.3, -0.2, 0.4));
   const Fit fit = fitBall(cube, cornersOf(cube), start, {60, 1e-9});
-  EXPECT_NEAR(fit.standOff(), std::sqrt(3.0) - 1, 1e-4);
-  EXPECT_NEAR((fit.center.at - middle).norm(), 0, 1e-2);
+  EXPECT_NEAR(fit.standOff(), std::sqrt(3.0) - 1, 1e-3);
+  EXPECT_NEAR((fit.center.at - middle).norm(), 0, 2e-2);
 }
 
 TEST(FitBall, IsNeverWorseThanItsStartAndNearTheBestOfManyPlaces) {

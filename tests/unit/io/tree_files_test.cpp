@@ -196,6 +196,8 @@ TEST(JsonReport, HoldsWhatTheDocsPromise) {
 TEST(JsonReport, SaysWhatAutoMeant) {
   BuildResult build = someBuild();
   build.report.settings.builder = "combined";
+  build.report.settings.combined.reducers = {"expand", "burst", "merge"};
+  build.report.settings.axis = {0.25, 77};
   const nlohmann::json settings =
       nlohmann::json::parse(formatJsonReport(build, someProvenance())).at("settings");
   EXPECT_EQ(settings.at("quality"), "normal");
@@ -203,8 +205,8 @@ TEST(JsonReport, SaysWhatAutoMeant) {
   EXPECT_EQ(settings.at("refine"), "on");
   EXPECT_EQ(settings.at("link"), "on");
   EXPECT_EQ(settings.at("reducers"), (std::vector<std::string>{"merge", "burst", "expand"}));
-  EXPECT_EQ(settings.at("axis_error"), 0.5);
-  EXPECT_EQ(settings.at("axis_balls"), 200);
+  EXPECT_EQ(settings.at("axis_error"), 0.25);
+  EXPECT_EQ(settings.at("axis_balls"), 77);
   EXPECT_FALSE(settings.contains("samples"));
 }
 
