@@ -12,6 +12,13 @@
 
 #include <Eigen/Geometry>
 
+// The compiler makes wide versions and chooses at run time; without contraction all give the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
+#define SPHERETREE_WIDE __attribute__((target_clones("default", "avx2", "avx512f"), optimize("O3")))
+#else
+#define SPHERETREE_WIDE
+#endif
+
 namespace spheretree::builders {
 namespace {
 
@@ -34,15 +41,10 @@ class Model {
   void setPoints(const PointBlock& all, const Vector3d& center, double reach, double trust) {
     // Points that cannot become the farthest anywhere within the trust region do not count.
     const double least = std::max(0.0, reach - 2 * trust);
+    squaredDistances(all, center, squared_);
     far_.clear();
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double dx = all.x[i] - center.x();
-      const double dy = all.y[i] - center.y();
-      const double dz = all.z[i] - center.z();
-      if (dx * dx + dy * dy + dz * dz < least * least) continue;
-      far_.x.push_back(all.x[i]);
-      far_.y.push_back(all.y[i]);
-      far_.z.push_back(all.z[i]);
+    for (std::size_t i = 0; i < squared_.size(); ++i) {
+      if (squared_[i] >= least * least) far_.push({all.x[i], all.y[i], all.z[i]});
     }
   }
 
@@ -62,7 +64,9 @@ class Model {
     pieces_[count_++] = probe;
   }
 
-  [[nodiscard]] double value(const Vector3d& c) const { return std::sqrt(farthestSquared(far_, c)) - depth(c); }
+  [[nodiscard]] double value(const Vector3d& c) const {
+    return std::sqrt(farthestSquared(far_, c)) - depth(c);
+  }
 
   /// The shortest subgradient of the pieces that are within `slack` of the largest.
   [[nodiscard]] Vector3d direction(const Vector3d& c, double slack) {
@@ -114,6 +118,7 @@ class Model {
   }
 
   PointBlock far_;
+  std::vector<double> squared_;
   std::array<DepthProbe, kMostPieces> pieces_;
   std::size_t count_ = 0;
   std::vector<Vector3d> up_;
@@ -172,31 +177,45 @@ void PointBlock::push(const Vector3d& p) {
   z.push_back(p.z());
 }
 
-// The compiler makes wide versions and chooses at run time; without contraction all give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("default", "avx2"), optimize("O3")))
-#endif
+SPHERETREE_WIDE
 double farthestSquared(const PointBlock& points, const Vector3d& center) {
-  // Four maxima side by side: a single one would make every step wait for the last.
-  std::array<double, 4> most{0, 0, 0, 0};
   const std::size_t n = points.size();
-  std::size_t i = 0;
-  for (; i + 4 <= n; i += 4) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double dx = points.x[i + k] - center.x();
-      const double dy = points.y[i + k] - center.y();
-      const double dz = points.z[i + k] - center.z();
-      const double d = dx * dx + dy * dy + dz * dz;
-      most[k] = most[k] < d ? d : most[k];  // vectorises, std::max does not
-    }
+  const double* x = points.x.data();
+  const double* y = points.y.data();
+  const double* z = points.z.data();
+  const double cx = center.x();
+  const double cy = center.y();
+  const double cz = center.z();
+  double most = 0;
+#pragma omp simd reduction(max : most)
+  for (std::size_t i = 0; i < n; ++i) {
+    const double dx = x[i] - cx;
+    const double dy = y[i] - cy;
+    const double dz = z[i] - cz;
+    const double d = dx * dx + dy * dy + dz * dz;
+    most = most < d ? d : most;
   }
-  for (; i < n; ++i) {
-    const double dx = points.x[i] - center.x();
-    const double dy = points.y[i] - center.y();
-    const double dz = points.z[i] - center.z();
-    most[0] = std::max(most[0], dx * dx + dy * dy + dz * dz);
+  return most;
+}
+
+SPHERETREE_WIDE
+void squaredDistances(const PointBlock& points, const Vector3d& center, std::vector<double>& squared) {
+  const std::size_t n = points.size();
+  squared.resize(n);
+  const double* x = points.x.data();
+  const double* y = points.y.data();
+  const double* z = points.z.data();
+  double* out = squared.data();
+  const double cx = center.x();
+  const double cy = center.y();
+  const double cz = center.z();
+#pragma omp simd
+  for (std::size_t i = 0; i < n; ++i) {
+    const double dx = x[i] - cx;
+    const double dy = y[i] - cy;
+    const double dz = z[i] - cz;
+    out[i] = dx * dx + dy * dy + dz * dz;
   }
-  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
 }
 
 DepthProbe probeDepth(const Surface& surface, const Vector3d& at, const DepthProbe* known) {

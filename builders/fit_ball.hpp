@@ -37,6 +37,9 @@ struct PointBlock {
 /// Largest squared distance from `center` to the points; 0 when there are none.
 [[nodiscard]] double farthestSquared(const PointBlock& points, const Eigen::Vector3d& center);
 
+/// Squared distances from `center`, one per point.
+void squaredDistances(const PointBlock& points, const Eigen::Vector3d& center, std::vector<double>& squared);
+
 /// A ball around points: reach is its radius, reach - depth its stand-off.
 struct Fit {
   DepthProbe center;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "builders/fit_ball.hpp"
+#include "builders/grouping.hpp"
 #include "builders/pieces.hpp"
 #include "builders/refine.hpp"
 #include "builders/set_error.hpp"
@@ -48,12 +49,19 @@ constexpr double kRefineCellSize = 0.4;
 // Surface points of the axis that the first region is refined from.
 constexpr std::uint32_t kCoarseSamples = 1000;
 
-// The number of balls that a stand-off takes goes with about this power of it (measured; a smooth surface has
-// 1).
-constexpr double kBallsPerStandOff = 1.5;
-// A ball may need this many times its share of the next level before that costs as much as being the worst.
-// Which is best differs from shape to shape, so passes differ in it.
-constexpr std::array<double, 4> kFairLoads{1.4, 1.2, 1.7, 1.1};
+// A ball that needs this many times the children it may have sticks out, on every level below it, this power
+// of it farther: the number of balls that a stand-off takes goes with about its power 1.5 (measured; a smooth
+// surface has 1).
+constexpr double kStandOffPerLoad = 0.67;
+// Powers of stand-off and load in the cost of a ball (patch.cpp); what makes their trade-offs comparable.
+constexpr double kPowerRatio = 10.0 / 6.0;
+// How often, and by how much, loads count less where otherwise the level would stick out too far.
+constexpr int kSecondChances = 2;
+constexpr double kSecondWeight = 0.2;
+// Passes differ in how much a load counts: which is best differs from shape to shape.
+constexpr std::array<double, 4> kLoadPressures{1.6, 3, 1, 6};
+// Leaves are spread over the surface as if there were fewer by this share, so that there is room to move.
+constexpr double kSpareLeaves = 0.05;
 // Worth more than any stand-off.
 constexpr double kDeeper = 1000;
 
@@ -175,20 +183,21 @@ class LevelDriver {
     sketching_ = true;
     build();
     sketching_ = false;
-    Levels forecast = std::move(levels_);
+    if (levels_.size() < settings_.levels || repeated_) {
+      build();  // some of the shape is done with before the leaves
+      return tree();
+    }
+    spreadLeaves();
     Levels best;
     Winners bestWinners;
     for (std::size_t pass = 0; pass < effort.passes; ++pass) {
       pass_ = pass;
       passes_ = effort.passes;
-      forecast_ = std::move(forecast);
-      fairLoad_ = kFairLoads[pass % kFairLoads.size()];
       build();
       if (best.empty() || score(levels_) < score(best)) {
         best = levels_;
         bestWinners = winners_;
       }
-      forecast = std::move(levels_);
     }
     levels_ = std::move(best);
     winners_ = std::move(bestWinners);
@@ -238,6 +247,7 @@ class LevelDriver {
     levels_.clear();
     winners_.clear();
     open_.clear();
+    rivals_.clear();
     nodesSoFar_ = 0;
     makeRoot();
     for (std::uint32_t depth = 1; depth < settings_.levels; ++depth) {
@@ -245,11 +255,41 @@ class LevelDriver {
     }
   }
 
-  /// How many balls each piece will need on the level below `depth`, from what the sketch came to there:
-  /// balls are needed where it sticks out most. The sum is what the level may have.
+  /// The leaves as if they needed no parents: shows where balls are needed.
+  void spreadLeaves() {
+    const std::vector<Node>& rough = levels_.back();
+    LevelProblem problem;
+    const double slots = std::pow(settings_.branch, static_cast<double>(levels_.size() - 1));
+    problem.branch = static_cast<std::uint32_t>(std::max(1.0, slots * (1 - kSpareLeaves)));
+    for (const OpenNode& node : lastButOne_) {
+      const double radius = expectedRadius(node);
+      std::vector<Piece> pieces =
+          piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius);
+      std::move(pieces.begin(), pieces.end(), std::back_inserter(problem.pieces));
+    }
+    lastButOne_.clear();
+    problem.allowed.assign(problem.pieces.size(), {0});
+    std::vector<LevelBall> balls;
+    for (const Node& node : rough) balls.push_back({node.fit, 0, {}, 0});
+    std::stable_sort(balls.begin(), balls.end(),
+                     [](const LevelBall& a, const LevelBall& b) { return a.fit.reach > b.fit.reach; });
+    balls.resize(std::min<std::size_t>(balls.size(), problem.branch));
+    RefineRequest request = requestFor(settings_.seed);
+    request.effort = spreadEffort(settings_.quality);
+    balls = refineLevel(problem, std::move(balls), request);
+    for (const LevelBall& ball : balls) {
+      leaves_.push_back(ball.fit);
+      leafPoints_.emplace_back();
+      for (const std::uint32_t piece : ball.pieces) {
+        for (const Eigen::Vector3d& p : problem.pieces[piece].points) leafPoints_.back().push(p);
+      }
+    }
+  }
+
+  /// How many children on the level below `depth` each piece will need: as many as leaves were spread there,
+  /// in the proportion of the levels' sizes.
   void foresee(std::size_t depth, LevelProblem& problem) const {
-    if (depth + 1 >= forecast_.size()) return;
-    const std::vector<Node>& level = forecast_[depth + 1];
+    if (leaves_.empty() || depth + 1 >= settings_.levels) return;
     const std::size_t n = problem.pieces.size();
     std::vector<std::uint32_t> nearest(n, 0);
     std::vector<double> area(n, 0);
@@ -259,8 +299,8 @@ class LevelDriver {
         area[i] = areaOf(problem.pieces[i]);
         const Eigen::Vector3d& p = problem.pieces[i].points.front();
         double least = std::numeric_limits<double>::infinity();
-        for (std::uint32_t k = 0; k < level.size(); ++k) {
-          const DepthProbe& center = level[k].fit.center;
+        for (std::uint32_t k = 0; k < leaves_.size(); ++k) {
+          const DepthProbe& center = leaves_[k].center;
           const double limit = least + center.depth;
           if (limit < 0 || (p - center.at).squaredNorm() >= limit * limit) continue;
           least = (p - center.at).norm() - center.depth;
@@ -268,23 +308,26 @@ class LevelDriver {
         }
       }
     });
-    std::vector<double> areaOfBall(level.size(), 0);
-    for (std::size_t i = 0; i < n; ++i) areaOfBall[nearest[i]] += area[i];
-    std::vector<double> need(level.size(), 0);
-    double sum = 0;
-    for (std::size_t k = 0; k < level.size(); ++k) {
-      if (!(areaOfBall[k] > 0)) continue;
-      need[k] = std::pow(std::max(0.0, level[k].fit.standOff()), kBallsPerStandOff);
-      sum += need[k];
-    }
-    if (!(sum > 0)) return;
-    const double wanted = std::pow(settings_.branch, static_cast<double>(depth + 1));
+    std::vector<double> areaOfLeaf(leaves_.size(), 0);
+    for (std::size_t i = 0; i < n; ++i) areaOfLeaf[nearest[i]] += area[i];
+    const double levelsBelow = static_cast<double>(settings_.levels - 1 - depth);
+    const double share =
+        std::pow(settings_.branch, static_cast<double>(depth + 1)) / static_cast<double>(leaves_.size());
     problem.loads.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
-      problem.loads[i] =
-          areaOfBall[nearest[i]] > 0 ? need[nearest[i]] / sum * wanted * area[i] / areaOfBall[nearest[i]] : 0;
+      problem.loads[i] = areaOfLeaf[nearest[i]] > 0 ? share * area[i] / areaOfLeaf[nearest[i]] : 0;
     }
-    problem.fairLoad = fairLoad_ * settings_.branch;
+    problem.fairLoad = settings_.branch;
+    problem.loadWeight =
+        kStandOffPerLoad * levelsBelow * kPowerRatio * kLoadPressures[pass_ % kLoadPressures.size()];
+  }
+
+  /// What a level will lead to: the sum over it and the levels below of the logarithm of the worst stand-off.
+  [[nodiscard]] double prospect(const std::vector<LevelBall>& balls, std::size_t depth) const {
+    double load = 1;
+    for (const LevelBall& ball : balls) load = std::max(load, ball.load / settings_.branch);
+    const double levelsBelow = static_cast<double>(settings_.levels - 1 - depth);
+    return std::log(worstOf(balls)) + kStandOffPerLoad * levelsBelow * std::log(load);
   }
 
   [[nodiscard]] bool isOn(Toggle toggle) const {
@@ -350,7 +393,7 @@ class LevelDriver {
     return takeOver(proposals);
   }
 
-  Proposal propose(const OpenNode& node, std::uint64_t seed) const {
+  Proposal propose(const OpenNode& node, std::uint64_t seed) {
     Proposal best;
     const double overhang = node.node.fit.standOff();
     if (overhang > goodEnough_) {
@@ -370,7 +413,9 @@ class LevelDriver {
                                           goodEnough_, settings_.objective, seed, context_});
         std::vector<LevelBall> level = shareOut(surface_, set, balls);
         const SetError error = setError(surface_, ballsOf(level), settings_.objective);
-        if (!best.balls.empty() && !(error < least)) continue;
+        const bool wins = best.balls.empty() || error < least;
+        if (levels_.size() == 1 && r > 0) rivals_.push_back(wins ? best.balls : level);
+        if (!wins) continue;
         least = error;
         best.balls = std::move(level);
         best.winner = r;
@@ -421,20 +466,24 @@ class LevelDriver {
     if (!(worstOf(proposal.balls) < node.node.fit.standOff())) repeat(node, proposal);
   }
 
+  /// Who may answer for a piece: the tree so far, and how far the balls of each level may stick out.
+  struct Reach {
+    std::vector<std::vector<std::uint32_t>> children;  // of all nodes, level after level
+    std::vector<double> caps;
+  };
+
   /// The nodes of the last level whose ball, grown to the stand-off of the worst of its level, holds the
   /// piece, and whose ancestors do as well.
-  [[nodiscard]] std::vector<std::uint32_t> holders(const Piece& piece,
-                                                   const std::vector<std::vector<std::uint32_t>>& children,
-                                                   const std::vector<double>& caps) const {
+  [[nodiscard]] std::vector<std::uint32_t> holders(const Piece& piece, const Reach& reach) const {
     std::vector<std::uint32_t> now{0};
-    std::size_t base = 1;  // number of the first node of the level in `children`'s numbering
+    std::size_t base = 1;  // number of the first node of the level in the numbering of `children`
     std::size_t above = 0;
     for (std::size_t l = 1; l < levels_.size(); ++l) {
       std::vector<std::uint32_t> next;
       for (const std::uint32_t n : now) {
-        for (const std::uint32_t child : children[above + n]) {
+        for (const std::uint32_t child : reach.children[above + n]) {
           const Fit& fit = levels_[l][child].fit;
-          const double radius = std::max(fit.reach, fit.center.depth + caps[l]);
+          const double radius = std::max(fit.reach, fit.center.depth + reach.caps[l]);
           const bool holds = std::all_of(piece.points.begin(), piece.points.end(), [&](const auto& p) {
             return (p - fit.center.at).squaredNorm() <= radius * radius;
           });
@@ -448,70 +497,145 @@ class LevelDriver {
     return now;
   }
 
-  void refineTogether(std::vector<Proposal>& proposals) {
+  /// The reducers' own sets are what refinement must beat; crowding may be given too much for that.
+  [[nodiscard]] std::vector<LevelBall> refineGiven(LevelProblem& problem, std::vector<LevelBall> balls) {
+    const double given = worstOf(balls);
+    const std::size_t depth = levels_.size();
+    RefineRequest request = requestFor(settings_.seed + nodesSoFar_ + pass_);
+    if (problem.loads.empty()) return refineLevel(problem, std::move(balls), request);
+    LevelProblem plain = problem;
+    plain.loads.clear();
+    std::vector<std::vector<LevelBall>> starts{balls};
+    if (problem.parents == 1) {
+      for (std::vector<LevelBall>& other : otherStarts(balls)) starts.push_back(std::move(other));
+    }
+    struct Candidate {
+      LevelProblem problem;
+      std::vector<LevelBall> balls;
+    };
+    std::vector<Candidate> candidates;
+    for (std::vector<LevelBall>& start : starts) {
+      candidates.push_back({problem, {}});
+      candidates.back().balls = refineLevel(candidates.back().problem, std::move(start), request);
+    }
+    std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+      return prospect(a.balls, depth) < prospect(b.balls, depth);
+    });
+    // One that sticks out too far for all its promise gets another chance with loads that count less.
+    Candidate* best = nullptr;
+    for (Candidate& candidate : candidates) {
+      for (int less = 0; less < kSecondChances && worstOf(candidate.balls) > given; ++less) {
+        if (best != nullptr && prospect(best->balls, depth) <= prospect(candidate.balls, depth)) break;
+        candidate.problem.loadWeight *= kSecondWeight;
+        candidate.balls = refineLevel(candidate.problem, std::move(candidate.balls), request);
+      }
+      if (worstOf(candidate.balls) > given) continue;
+      if (best == nullptr || prospect(candidate.balls, depth) < prospect(best->balls, depth))
+        best = &candidate;
+    }
+    if (best != nullptr) {
+      problem = std::move(best->problem);
+      return std::move(best->balls);
+    }
+    problem = std::move(plain);
+    return refineLevel(problem, std::move(balls), request);
+  }
+
+  /// Other sets for the first level: those of the reducers that lost, and some that share the leaves evenly.
+  [[nodiscard]] std::vector<std::vector<LevelBall>> otherStarts(const std::vector<LevelBall>& given) {
+    std::vector<std::vector<LevelBall>> starts = std::move(rivals_);
+    const std::size_t capacity = (leaves_.size() + settings_.branch - 1) / settings_.branch;
+    for (std::size_t k = 0; k < buildEffort(settings_.quality).starts; ++k) {
+      std::vector<DepthProbe> centers;
+      if (k == 0) {
+        for (const LevelBall& ball : given) centers.push_back(ball.fit.center);
+      } else {
+        std::vector<Eigen::Vector3d> places;
+        for (const Fit& leaf : leaves_) places.push_back(leaf.center.at);
+        const std::size_t first = medial::Random(settings_.seed, k).next() % leaves_.size();
+        for (const std::size_t i : farApart(places, first, settings_.branch))
+          centers.push_back(leaves_[i].center);
+      }
+      if (centers.size() * capacity < leaves_.size()) continue;
+      starts.emplace_back();
+      for (const Group& group : groupEvenly(surface_, leafPoints_, centers, capacity,
+                                            refineEffort(settings_.quality).fit, context_)) {
+        starts.back().push_back({group.fit, 0, {}, 0});
+      }
+    }
+    return starts;
+  }
+
+  [[nodiscard]] Reach reachOfLevels() const {
+    Reach reach;
+    for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
+      const std::size_t first = reach.children.size();
+      reach.children.resize(first + levels_[l].size());
+      for (std::uint32_t n = 0; n < levels_[l + 1].size(); ++n) {
+        reach.children[first + levels_[l + 1][n].parent].push_back(n);
+      }
+    }
+    // Room up to the worst of the level costs nothing where the worst is what counts.
+    const bool room = settings_.objective == Objective::Worst;
+    reach.caps.assign(levels_.size(), room ? 0 : -std::numeric_limits<double>::infinity());
+    for (std::size_t l = 1; room && l < levels_.size(); ++l) {
+      for (const Node& node : levels_[l]) reach.caps[l] = std::max(reach.caps[l], node.fit.standOff());
+    }
+    return reach;
+  }
+
+  /// The level as one problem; `pieces` are those of each open node.
+  [[nodiscard]] LevelProblem problemOf(std::vector<std::vector<Piece>> pieces) const {
     LevelProblem problem;
     problem.branch = settings_.branch;
     problem.parents = open_.size();
     std::vector<std::uint32_t> home;  // of each piece
     for (std::uint32_t i = 0; i < open_.size(); ++i) {
-      const double radius = expectedRadius(open_[i]);
-      std::vector<Piece> pieces =
-          piecesOf(surface_, open_[i].region, kRefineCellSize * radius, kSolidCellSize * radius);
-      home.insert(home.end(), pieces.size(), i);
-      std::move(pieces.begin(), pieces.end(), std::back_inserter(problem.pieces));
+      home.insert(home.end(), pieces[i].size(), i);
+      std::move(pieces[i].begin(), pieces[i].end(), std::back_inserter(problem.pieces));
     }
-    if (!sketching_) foresee(levels_.size(), problem);
-    std::vector<std::vector<std::uint32_t>> children;
-    for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
-      const std::size_t first = children.size();
-      children.resize(first + levels_[l].size());
-      for (std::uint32_t n = 0; n < levels_[l + 1].size(); ++n) {
-        children[first + levels_[l + 1][n].parent].push_back(n);
-      }
-    }
-    std::vector<double> caps(levels_.size(), 0);
-    for (std::size_t l = 1; l < levels_.size(); ++l) {
-      // Room up to the worst of the level costs nothing where the worst is what counts.
-      if (settings_.objective != Objective::Worst) {
-        caps[l] = -std::numeric_limits<double>::infinity();
-        continue;
-      }
-      for (const Node& node : levels_[l]) caps[l] = std::max(caps[l], node.fit.standOff());
-    }
+    const auto reach = std::make_shared<const Reach>(reachOfLevels());
     problem.allowed.resize(problem.pieces.size());
     medial::parallelFor(problem.pieces.size(), context_, [&](std::size_t i) {
       std::vector<std::uint32_t>& allowed = problem.allowed[i];
-      allowed = holders(problem.pieces[i], children, caps);
+      allowed = holders(problem.pieces[i], *reach);
       const auto at = std::lower_bound(allowed.begin(), allowed.end(), home[i]);
       if (at == allowed.end() || *at != home[i]) allowed.insert(at, home[i]);
     });
     if (problem.parents > 1) {
-      problem.allowedPart = [&](const Piece& part, const std::vector<std::uint32_t>& whole) {
-        std::vector<std::uint32_t> result = holders(part, children, caps);
+      problem.allowedPart = [this, reach](const Piece& part, const std::vector<std::uint32_t>& whole) {
+        const std::vector<std::uint32_t> result = holders(part, *reach);
         std::vector<std::uint32_t> both;
         std::set_union(result.begin(), result.end(), whole.begin(), whole.end(), std::back_inserter(both));
         return both;
       };
     }
-    std::vector<LevelBall> balls;
-    for (std::uint32_t i = 0; i < proposals.size(); ++i) {
+    return problem;
+  }
+
+  void refineTogether(std::vector<Proposal>& proposals) {
+    std::vector<LevelBall> given;
+    std::vector<std::vector<Piece>> coarse(open_.size());
+    std::vector<std::vector<Piece>> fine(open_.size());
+    for (std::uint32_t i = 0; i < open_.size(); ++i) {
+      const double radius = expectedRadius(open_[i]);
+      coarse[i] = piecesOf(surface_, open_[i].region, kRefineCellSize * radius, kSolidCellSize * radius);
       for (LevelBall& ball : proposals[i].balls) {
         ball.parent = i;
-        balls.push_back(std::move(ball));
+        given.push_back(std::move(ball));
       }
+      fine[i] = std::move(proposals[i].pieces);
       proposals[i].balls.clear();
       proposals[i].pieces.clear();
     }
-    // The reducers' own sets are what refinement must beat; crowding may have been given too much for that.
-    const double given = worstOf(balls);
-    LevelProblem plain = problem;
-    std::vector<LevelBall> refined = refineLevel(problem, balls, requestFor(settings_.seed + nodesSoFar_));
-    if (worstOf(refined) > given && !plain.loads.empty()) {
-      plain.loads.clear();
-      refined = refineLevel(plain, std::move(balls), requestFor(settings_.seed + nodesSoFar_));
-      problem = std::move(plain);
+    LevelProblem problem = problemOf(std::move(coarse));
+    foresee(levels_.size(), problem);
+    std::vector<LevelBall> balls = refineGiven(problem, given);
+    if (!sketching_ && worstOf(balls) > worstOf(given)) {
+      // With the pieces that the reducers had, nothing can be lost.
+      problem = problemOf(std::move(fine));
+      balls = refineGiven(problem, std::move(given));
     }
-    balls = std::move(refined);
     for (LevelBall& ball : balls) {
       Proposal& proposal = proposals[ball.parent];
       for (std::uint32_t& piece : ball.pieces) {
@@ -529,6 +653,7 @@ class LevelDriver {
     levels_.emplace_back();
     for (std::uint32_t i = 0; i < proposals.size(); ++i) {
       Proposal& proposal = proposals[i];
+      if (sketching_ && !proposal.refined) repeated_ = true;
       if (proposal.refined) {
         ++wins[proposal.winner];
         refined = true;
@@ -559,6 +684,7 @@ class LevelDriver {
     }
     open_ = std::move(next);
     if (link_ && refine_) settleAncestors();
+    if (sketching_ && levels_.size() + 1 == settings_.levels) lastButOne_ = open_;
     return true;
   }
 
@@ -611,9 +737,12 @@ class LevelDriver {
   double goodEnough_;  // mesh units
   bool refine_;
   bool link_;
-  bool sketching_ = false;  // a first, rough tree, to learn where the balls will be needed
-  Levels forecast_;         // what the level below is expected to be like
-  double fairLoad_ = 1;
+  bool sketching_ = false;            // a first, rough tree, to learn where the balls will be needed
+  bool repeated_ = false;             // somewhere the sketch stood a ball for itself on the next level
+  std::vector<OpenNode> lastButOne_;  // of the sketch
+  std::vector<Fit> leaves_;           // spread without parents
+  std::vector<PointBlock> leafPoints_;
+  std::vector<std::vector<LevelBall>> rivals_;  // all sets proposed for the root
   std::size_t pass_ = 0;
   std::size_t passes_ = 1;
   Levels levels_;

@@ -22,11 +22,11 @@ constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 constexpr double kHysteresis = 1e-9;
 // A sweep that gains less than this fraction of the energy is the last.
 constexpr double kLastGain = 2e-3;
-// Balls that stick out less than this share of the worst need not be fitted while the worst counts.
 // How fast a ball gets dearer that will need more balls below it than it may have.
 constexpr double kLoadPower = 6;
 // After so many sweeps an energy this many times the wanted one will not come down to it.
 constexpr std::array<double, 3> kHope{3, 1.6, 1.25};
+// Balls that stick out less than this share of the worst need not be fitted while the worst counts.
 constexpr double kIgnored = 0.6;
 
 }  // namespace
@@ -46,6 +46,10 @@ double BallCost::operator()(const Fit& fit, double load) const {
   return std::pow(standOff / scale, power) + crowd;
 }
 
+void BallCost::weighLoad(double load, double weight) {
+  fairLoad = std::max(fairLoad, load * std::pow(weight, -1 / kLoadPower));
+}
+
 Patch::Patch(const RefineRequest& request, const LevelProblem& problem, const std::vector<LevelBall>& level,
              std::span<const std::uint32_t> members, const BallCost& cost)
     : request_(request), problem_(problem), cost_(cost), members_(members.begin(), members.end()) {
@@ -57,7 +61,8 @@ Patch::Patch(const RefineRequest& request, const LevelProblem& problem, const st
   start_.push_back(0);
   for (std::uint32_t i = 0; i < members_.size(); ++i) {
     const LevelBall& ball = level[members_[i]];
-    balls_.push_back({ball.fit, ball.load, ball.parent, ball.pieces.empty() ? Member::State::Idle : Member::State::Used, false});
+    balls_.push_back({ball.fit, ball.load, ball.parent,
+                      ball.pieces.empty() ? Member::State::Idle : Member::State::Used, false});
     for (const std::uint32_t piece : ball.pieces) {
       pieces_.push_back(piece);
       owner_.push_back(i);
@@ -66,31 +71,10 @@ Patch::Patch(const RefineRequest& request, const LevelProblem& problem, const st
     }
   }
   reach_.resize(members_.size() * pieces_.size());
-  squared_.resize(points_.size());
   for (std::size_t i = 0; i < members_.size(); ++i) measure(i);
 }
 
 namespace {
-
-/// Squared distances of points to a centre.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("default", "avx2"), optimize("O3")))
-#endif
-void squaredDistances(const PointBlock& points, const Vector3d& c, double* squared) {
-  const std::size_t n = points.size();
-  const double* x = points.x.data();
-  const double* y = points.y.data();
-  const double* z = points.z.data();
-  const double cx = c.x();
-  const double cy = c.y();
-  const double cz = c.z();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double dx = x[i] - cx;
-    const double dy = y[i] - cy;
-    const double dz = z[i] - cz;
-    squared[i] = dx * dx + dy * dy + dz * dz;
-  }
-}
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("default", "avx2"), optimize("O3", "no-math-errno")))
@@ -103,7 +87,7 @@ void takeRoots(double* values, std::size_t count) {
 
 /// Fills the row of reaches of one ball.
 void Patch::measure(std::size_t member) {
-  squaredDistances(points_, balls_[member].fit.center.at, squared_.data());
+  squaredDistances(points_, balls_[member].fit.center.at, squared_);
   const double* squared = squared_.data();
   double* row = reach_.data() + member * pieces_.size();
   for (std::size_t piece = 0; piece < pieces_.size(); ++piece) {
@@ -406,8 +390,8 @@ void Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::ui
   static_cast<void>(placeOrphans());
 }
 
-/// A centre to start from for the points in own_: the best of some between them and the old centre, and of the
-/// largest balls inside the solid that touch the surface at the seed and in the middle.
+/// A centre to start from for the points in own_: the best of some between them and the old centre, and of
+/// the largest balls inside the solid that touch the surface at the seed and in the middle.
 DepthProbe Patch::startFor(const Vector3d& seed, const Vector3d& old) const {
   const Surface& surface = request_.surface;
   Vector3d middle = Vector3d::Zero();

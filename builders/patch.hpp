@@ -24,6 +24,9 @@ struct BallCost {
   double fairLoad = 1;    ///< load that costs one; LevelProblem::loads
 
   [[nodiscard]] double operator()(const Fit& fit, double load) const;
+
+  /// Makes the given load cost `weight`, unless loads like this are fair anyway.
+  void weighLoad(double load, double weight);
 };
 
 /// Some balls of a level with all their pieces, cut out to be worked on: everything else stands still. Holds

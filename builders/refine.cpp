@@ -113,11 +113,11 @@ class LevelRefiner {
     return sum;
   }
 
-  /// The worst stand-off and the worst crowd cost about the same, so that neither is ever all that counts.
+  /// The worst stand-off costs one and the worst load its weight, so that neither is ever all that counts.
   void rescale() {
     cost_.scale = std::max(worst(), std::numeric_limits<double>::min());
     cost_.fairLoad = problem_.fairLoad;
-    for (const LevelBall& ball : balls_) cost_.fairLoad = std::max(cost_.fairLoad, 1.1 * ball.load);
+    for (const LevelBall& ball : balls_) cost_.weighLoad(ball.load, problem_.loadWeight);
   }
 
   /// Every piece to the best of all balls that may have it.
@@ -684,23 +684,28 @@ RefineEffort refineEffort(Quality quality) {
     case Quality::Normal:
       break;
   }
-  return {3, 8, 6, 200, 8, {8, 1e-3}, {5, 1e-2}};
+  return {3, 8, 4, 200, 8, {8, 1e-3}, {5, 1e-2}};
 }
 
 BuildEffort buildEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {false, 1};
+      return {false, 0, 1};
     case Quality::Best:
-      return {true, 6};
+      return {true, 8, 6};
     case Quality::Normal:
       break;
   }
-  return {true, 1};
+  return {true, 3, 1};
 }
 
 RefineEffort sketchEffort() {
   return {0, 3, 1, 30, 1, {4, 1e-2}, {4, 2e-2}};
+}
+
+RefineEffort spreadEffort(Quality quality) {
+  if (quality == Quality::Best) return refineEffort(Quality::Normal);
+  return {0, 3, 1, 30, 2, {4, 1e-2}, {4, 2e-2}};
 }
 
 std::vector<LevelBall> refineLevel(LevelProblem& problem, std::vector<LevelBall> balls,

@@ -22,7 +22,8 @@ struct LevelProblem {
       allowed;  ///< per piece the parents that hold it, ascending, not empty
   /// Per piece, how many balls of the next level it will need, a fraction; empty when that does not count.
   std::vector<double> loads;
-  double fairLoad = 1;  ///< loads of a ball up to this are what the next level expects
+  double fairLoad = 1;    ///< loads of a ball up to this are what the next level expects
+  double loadWeight = 1;  ///< what the largest load costs, where the largest stand-off costs one
   std::size_t parents = 1;
   std::uint32_t branch = 8;  ///< most balls below one parent
   /// The parents that hold a part of a piece which was allowed the given ones, at least those; null: the
@@ -55,6 +56,7 @@ struct RefineEffort {
 /// How often a linked tree is built as a whole.
 struct BuildEffort {
   bool sketch = true;      ///< a rough tree first, that shows where balls will be needed
+  std::size_t starts = 0;  ///< further sets that the first level is refined from
   std::size_t passes = 1;  ///< trees, each foreseeing what the last one came to; the best one stays
 };
 
@@ -62,6 +64,9 @@ struct BuildEffort {
 
 /// Just enough to see where balls will be needed.
 [[nodiscard]] RefineEffort sketchEffort();
+
+/// For leaves that need no parents yet.
+[[nodiscard]] RefineEffort spreadEffort(Quality quality);
 
 struct RefineRequest {
   const medial::Surface& surface;
