@@ -44,7 +44,11 @@ struct Canonical {
   }
 
   static medial::Surface moved(const medial::Surface& surface, const medial::CanonicalFrame& frame) {
-    Result<medial::Surface> solid = medial::Surface::create(medial::toFrame(surface.mesh(), frame));
+    // Rounding that differs from place to place would tip decisions. Detail too fine for it stays as it is.
+    Result<medial::Surface> solid =
+        medial::Surface::create(medial::toFrame(surface.mesh(), frame, medial::Places::Snapped));
+    if (!solid)
+      solid = medial::Surface::create(medial::toFrame(surface.mesh(), frame, medial::Places::Exact));
     if (!solid) {
       throw std::runtime_error("the mesh does not survive normalisation: " + solid.error().message);
     }

@@ -55,11 +55,14 @@ constexpr std::uint32_t kCoarseSamples = 1000;
 constexpr double kStandOffPerLoad = 0.67;
 // Powers of stand-off and load in the cost of a ball (patch.cpp); what makes their trade-offs comparable.
 constexpr double kPowerRatio = 10.0 / 6.0;
+// The first level may stick out so many times the least that any of its sets does, for the sake of the
+// others.
+constexpr double kNearLeast = 1.03;
 // How often, and by how much, loads count less where otherwise the level would stick out too far.
 constexpr int kSecondChances = 2;
 constexpr double kSecondWeight = 0.2;
 // Passes differ in how much a load counts: which is best differs from shape to shape.
-constexpr std::array<double, 4> kLoadPressures{1.6, 3, 1, 6};
+constexpr std::array<double, 4> kLoadPressures{1.3, 2, 0.8, 3};
 // Leaves are spread over the surface as if there were fewer by this share, so that there is room to move.
 constexpr double kSpareLeaves = 0.05;
 // Worth more than any stand-off.
@@ -514,6 +517,7 @@ class LevelDriver {
       std::vector<LevelBall> balls;
     };
     std::vector<Candidate> candidates;
+    if (starts.size() > 1) request.effort = refineEffort(Quality::Normal);
     for (std::vector<LevelBall>& start : starts) {
       candidates.push_back({problem, {}});
       candidates.back().balls = refineLevel(candidates.back().problem, std::move(start), request);
@@ -522,14 +526,19 @@ class LevelDriver {
       return prospect(a.balls, depth) < prospect(b.balls, depth);
     });
     // One that sticks out too far for all its promise gets another chance with loads that count less.
+    double limit = given;
+    if (starts.size() > 1) {
+      for (const Candidate& candidate : candidates)
+        limit = std::min(limit, kNearLeast * worstOf(candidate.balls));
+    }
     Candidate* best = nullptr;
     for (Candidate& candidate : candidates) {
-      for (int less = 0; less < kSecondChances && worstOf(candidate.balls) > given; ++less) {
+      for (int less = 0; less < kSecondChances && worstOf(candidate.balls) > limit; ++less) {
         if (best != nullptr && prospect(best->balls, depth) <= prospect(candidate.balls, depth)) break;
         candidate.problem.loadWeight *= kSecondWeight;
         candidate.balls = refineLevel(candidate.problem, std::move(candidate.balls), request);
       }
-      if (worstOf(candidate.balls) > given) continue;
+      if (worstOf(candidate.balls) > limit) continue;
       if (best == nullptr || prospect(candidate.balls, depth) < prospect(best->balls, depth))
         best = &candidate;
     }

@@ -680,11 +680,11 @@ RefineEffort refineEffort(Quality quality) {
     case Quality::Fast:
       return {1, 3, 2, 30, 2, {4, 1e-2}, {4, 2e-2}};
     case Quality::Best:
-      return {6, 24, 60, 2000, 40, {16, 1e-4}, {8, 2e-3}};
+      return {4, 12, 10, 300, 16, {12, 3e-4}, {6, 5e-3}};
     case Quality::Normal:
       break;
   }
-  return {3, 8, 4, 200, 8, {8, 1e-3}, {5, 1e-2}};
+  return {2, 6, 2, 80, 6, {8, 1e-3}, {5, 1e-2}};
 }
 
 BuildEffort buildEffort(Quality quality) {
@@ -692,7 +692,7 @@ BuildEffort buildEffort(Quality quality) {
     case Quality::Fast:
       return {false, 0, 1};
     case Quality::Best:
-      return {true, 8, 6};
+      return {true, 6, 3};
     case Quality::Normal:
       break;
   }

@@ -108,6 +108,9 @@ Vector3d directed(const TriangleMesh& mesh, const Vector3d& centroid, const Vect
   return third < 0 ? Vector3d(-axis) : axis;
 }
 
+// Far above what rounding leaves of a moved mesh, far below what a tree in single precision can tell apart.
+constexpr double kPlace = 0x1p-32;
+
 }  // namespace
 
 CanonicalFrame canonicalFrame(const TriangleMesh& mesh) {
@@ -142,11 +145,14 @@ CanonicalFrame canonicalFrame(const TriangleMesh& mesh) {
   return frame;
 }
 
-TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame) {
+TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame, Places places) {
   TriangleMesh moved;
   moved.triangles = mesh.triangles;
   moved.vertices.reserve(mesh.vertices.size());
-  for (const Vector3d& v : mesh.vertices) moved.vertices.push_back(frame.forward(v));
+  for (const Vector3d& v : mesh.vertices) {
+    const Vector3d at = frame.forward(v);
+    moved.vertices.push_back(places == Places::Exact ? at : Vector3d((at / kPlace).array().round() * kPlace));
+  }
   return moved;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+
 #include <Eigen/Core>
 
 #include "medial/triangle_mesh.hpp"
@@ -27,7 +29,11 @@ struct CanonicalFrame {
 /// The frame of a mesh with at least one triangle of positive area. O(n).
 [[nodiscard]] CanonicalFrame canonicalFrame(const TriangleMesh& mesh);
 
+/// What becomes of the vertices: as computed, or moved to the nearest multiple of 2^-32, so that the same
+/// shape in two places or attitudes has the same bits almost always.
+enum class Places : std::uint8_t { Exact, Snapped };
+
 /// The mesh moved into the frame.
-[[nodiscard]] TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame);
+[[nodiscard]] TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame, Places places);
 
 }  // namespace spheretree::medial
