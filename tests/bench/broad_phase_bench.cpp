@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// broad_phase_bench [counts=1000,4000] [speeds=5] [frames=500] [room=fixed|density] [scene=room|floor|large]
+//                   [only=NAME,...] [peers=yes|no]
+//
+// The crowded room: unit boxes in a room of 100 x 25 x 100 that move in straight lines between reflecting
+// walls at 60 frames a second, speeds up to `speeds` along each axis. room=density scales the room so that it
+// is as crowded as with 4000 boxes. scene=floor has all boxes at one height, scene=large makes one in a
+// hundred 15 wide.
+//
+// Per frame and engine: the time from "here are all boxes" to "here are all pairs", caches warm from the
+// engine's own frame before. Engines take turns of twenty frames, each starting from the same state of the
+// room, so that a machine that slows down slows all of them; the first frames of a turn are not measured. The
+// pairs of every frame are compared by a hash of the sorted list: `wrong` counts the frames in which a peer
+// finds other ones than the first engine; when one of ours does, the program ends. `stream` is the floor:
+// reading all boxes once, as a sum. An engine that has taken more than twenty seconds is stopped.
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <spheretree/broad_phases.hpp>
+#include <spheretree/grid.hpp>
+#include <spheretree/grid_sweep.hpp>
+#include <spheretree/simd.hpp>
+#include <spheretree/sweep.hpp>
+
+#include "broad_phase_peers.hpp"
+#include "crowd.hpp"
+
+namespace {
+
+using namespace spheretree;
+using spheretree::bench::Peer;
+using spheretree::bench::PeerKind;
+using spheretree::tests::Crowd;
+
+constexpr int kTurn = 20;                       // frames that an engine runs before the next one does
+constexpr int kWarmUp = 3;                      // of them, not measured
+constexpr std::size_t kFewFrames = 34;          // enough for those that take too long
+constexpr double kPatience = 20e6;              // microseconds per engine before that rule applies
+constexpr std::size_t kMostBruteForce = 20000;  // boxes
+
+struct Options {
+  std::vector<std::size_t> counts{1000, 4000};
+  std::vector<float> speeds{5};
+  bool density = false;
+  std::string scene = "room";
+  int frames = 500;
+  std::vector<std::string> only;
+  bool peers = true;
+};
+
+/// One row of the table: an engine of ours, a peer, or neither, which is the floor.
+struct Row {
+  std::string name;
+  std::unique_ptr<BroadPhase> engine;
+  std::unique_ptr<Peer> peer;
+  SimdLevel simd = SimdLevel::Avx512;
+  std::vector<double> times;
+  double total = 0;
+  std::size_t wrong = 0;  // frames with other pairs than the first engine's
+};
+
+double now() {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Reads all boxes once.
+[[gnu::noinline]] float stream(const std::vector<Aabb>& boxes) {
+  Vec3 low;
+  Vec3 high;
+  for (const Aabb& box : boxes) {
+    low = low + box.min;
+    high = high + box.max;
+  }
+  return dot(low, high);
+}
+
+std::vector<PeerKind> allPeers() {
+  std::vector<PeerKind> peers;
+  const auto add = [&](std::vector<PeerKind> more) {
+    for (PeerKind& peer : more) peers.push_back(std::move(peer));
+  };
+  static_cast<void>(add);
+#ifdef SPHERETREE_HAVE_ODE
+  add(bench::odePeers());
+#endif
+#ifdef SPHERETREE_HAVE_BULLET
+  add(bench::bulletPeers());
+#endif
+#ifdef SPHERETREE_HAVE_FCL
+  add(bench::fclPeers());
+#endif
+  return peers;
+}
+
+std::vector<Row> rowsFor(const Options& options, const std::vector<Aabb>& boxes, Vec3 room) {
+  std::vector<Row> rows;
+  rows.push_back({"stream", nullptr, nullptr, SimdLevel::Scalar, {}});
+  const auto wanted = [&](std::string_view name) {
+    return options.only.empty() ||
+           std::find(options.only.begin(), options.only.end(), name) != options.only.end();
+  };
+  const auto add = [&](const char* name, std::unique_ptr<BroadPhase> engine, SimdLevel simd) {
+    if (wanted(name) && simd <= supportedSimd()) rows.push_back({name, std::move(engine), nullptr, simd, {}});
+  };
+  add("sweep avx512", std::make_unique<Sweep>(), SimdLevel::Avx512);
+  add("sweep avx2", std::make_unique<Sweep>(), SimdLevel::Avx2);
+  add("sweep sse2", std::make_unique<Sweep>(), SimdLevel::Sse2);
+  add("sweep scalar", std::make_unique<Sweep>(), SimdLevel::Scalar);
+  add("sweep_and_prune", makeBroadPhase(BroadPhaseKind::SweepAndPrune), SimdLevel::Scalar);
+  add("grid", std::make_unique<Grid>(), SimdLevel::Scalar);
+  add("grid 10x4x10", std::make_unique<Grid>(kPaperGrid), SimdLevel::Scalar);
+  add("grid_sweep", std::make_unique<GridSweep>(), SimdLevel::Scalar);
+  add("grid_sweep 10x4x10", std::make_unique<GridSweep>(kPaperGrid), SimdLevel::Scalar);
+  add("octree", makeBroadPhase(BroadPhaseKind::Octree), SimdLevel::Scalar);
+  if (boxes.size() <= kMostBruteForce) {
+    add("brute_force", makeBroadPhase(BroadPhaseKind::BruteForce), SimdLevel::Scalar);
+  }
+  if (!options.peers) return rows;
+  for (const PeerKind& peer : allPeers()) {
+    if (wanted(peer.name))
+      rows.push_back({peer.name, nullptr, peer.make(boxes, room), SimdLevel::Avx512, {}});
+  }
+  return rows;
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+}
+
+std::uint64_t hashOf(const std::vector<BodyPair>& pairs) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const BodyPair& pair : pairs) hash = (hash ^ (std::uint64_t{pair.a} << 32U | pair.b)) * 0x100000001b3U;
+  return hash;
+}
+
+/// Runs one row for one frame and returns how long that took.
+double runFrame(Row& row, const std::vector<Aabb>& boxes, std::vector<BodyPair>& pairs) {
+  volatile float sink = 0;
+  limitSimd(row.simd);
+  const double begin = now();
+  if (row.engine) {
+    if (!row.engine->findPairs(boxes, pairs).ok()) std::abort();
+  } else if (row.peer) {
+    row.peer->findPairs(boxes, pairs);
+  } else {
+    sink = stream(boxes);
+  }
+  const double time = now() - begin;
+  static_cast<void>(sink);
+  return time;
+}
+
+/// What the first engine found in the frames of this turn.
+struct Turn {
+  std::vector<std::uint64_t> hashes;
+  std::size_t pairs = 0;
+};
+
+/// Runs one row for the frames of one turn. False when an engine of ours finds other pairs than the first
+/// one.
+bool runTurn(Row& row, Crowd crowd, Turn& turn) {
+  std::vector<BodyPair> pairs;
+  const bool isFirst = turn.hashes.empty();
+  for (int frame = 0; frame < kTurn; ++frame) {
+    crowd.step();
+    const double time = runFrame(row, crowd.boxes(), pairs);
+    row.total += time;
+    if (frame >= kWarmUp) row.times.push_back(time);
+    if (!row.engine && !row.peer) continue;
+    if (row.peer) {
+      std::sort(pairs.begin(), pairs.end());
+      pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    }
+    if (isFirst) {
+      turn.hashes.push_back(hashOf(pairs));
+      turn.pairs += pairs.size();
+    } else if (turn.hashes[static_cast<std::size_t>(frame)] != hashOf(pairs)) {
+      ++row.wrong;
+      if (row.engine) return false;
+    }
+  }
+  return true;
+}
+
+bool measure(const Options& options, std::size_t count, float speed) {
+  const float scale = options.density ? Crowd::scaleForDensity(count) : 1;
+  Crowd::Settings settings{count, speed, scale};
+  if (options.scene == "floor") settings.height = 1 / scale;
+  if (options.scene == "large") settings.largeEvery = 100;
+  Crowd crowd(settings);
+  std::vector<Row> rows = rowsFor(options, crowd.boxes(), scale * Vec3{100, 25, 100});
+  std::size_t pairs = 0;
+  const int turns = (options.frames + kTurn - 1) / kTurn;
+  for (int k = 0; k < turns; ++k) {
+    Turn turn;
+    for (Row& row : rows) {
+      if (row.total > kPatience && row.times.size() >= kFewFrames) continue;
+      if (!runTurn(row, crowd, turn)) {
+        std::fprintf(stderr, "%s finds other pairs\n", row.name.c_str());
+        return false;
+      }
+    }
+    pairs += turn.pairs;
+    for (int frame = 0; frame < kTurn; ++frame) crowd.step();
+  }
+  const double floor = quantile(rows.front().times, 0.5);
+  const double best = rows.size() < 2 ? floor : quantile(rows[1].times, 0.5);
+  for (const Row& row : rows) {
+    const double median = quantile(row.times, 0.5);
+    std::printf("%s,%s,%g,%zu,%s,%zu,%.1f,%.2f,%.2f,%.2f,%.2f,%zu\n", options.scene.c_str(),
+                options.density ? "density" : "fixed", static_cast<double>(speed), count, row.name.c_str(),
+                row.times.size(), static_cast<double>(pairs) / (turns * kTurn), median,
+                quantile(row.times, 0.99), median / floor, median / best, row.wrong);
+  }
+  std::fflush(stdout);
+  return true;
+}
+
+std::vector<std::string> split(std::string_view list) {
+  std::vector<std::string> parts;
+  while (!list.empty()) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    parts.emplace_back(list.substr(0, comma));
+    list.remove_prefix(std::min(comma + 1, list.size()));
+  }
+  return parts;
+}
+
+bool parse(Options& options, std::string_view argument) {
+  const std::size_t equals = argument.find('=');
+  if (equals == std::string_view::npos) return false;
+  const std::string_view key = argument.substr(0, equals);
+  const std::string value(argument.substr(equals + 1));
+  if (key == "counts") {
+    options.counts.clear();
+    for (const std::string& part : split(value)) options.counts.push_back(std::stoul(part));
+  } else if (key == "speeds") {
+    options.speeds.clear();
+    for (const std::string& part : split(value)) options.speeds.push_back(std::stof(part));
+  } else if (key == "room") {
+    options.density = value == "density";
+  } else if (key == "scene") {
+    options.scene = value;
+    return value == "room" || value == "floor" || value == "large";
+  } else if (key == "frames") {
+    options.frames = std::stoi(value);
+  } else if (key == "only") {
+    options.only = split(value);
+  } else if (key == "peers") {
+    options.peers = value != "no";
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  for (int k = 1; k < argc; ++k) {
+    if (!parse(options, argv[k])) {
+      std::fprintf(stderr, "unknown option %s\n", argv[k]);
+      return 2;
+    }
+  }
+  std::printf("scene,room,speed,boxes,engine,frames,pairs,median_us,p99_us,per_stream,per_sweep,wrong\n");
+  for (const float speed : options.speeds) {
+    for (const std::size_t count : options.counts) {
+      if (!measure(options, count, speed)) return 1;
+    }
+  }
+  return 0;
+}
