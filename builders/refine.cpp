@@ -32,6 +32,8 @@ constexpr std::size_t kMostNeighbours = 12;
 constexpr std::size_t kLookedAt = 24;
 // Attempts that are made side by side. Fixed, so that the number of threads never matters.
 constexpr std::size_t kBatch = 16;
+// Balls that a batch of attempts apart from each other is looked for among, the costliest.
+constexpr std::size_t kMostLooked = 512;
 constexpr std::uint32_t kVariants = 3;
 // How near to the worst a ball must be to take one from elsewhere.
 constexpr double kWorthwhile = 0.7;
@@ -166,16 +168,27 @@ class LevelRefiner {
     for (const std::uint32_t piece : balls_[b].pieces) balls_[b].load += problem_.loads[piece];
   }
 
+  /// Where the balls are, side by side; to be called before neighbours() when balls have moved.
+  void gatherCenters() {
+    centers_.clear();
+    depths_.clear();
+    for (const LevelBall& ball : balls_) {
+      centers_.push(ball.fit.center.at);
+      depths_.push_back(ball.fit.center.depth);
+    }
+  }
+
   /// The balls that may be better for a part of ball a than a is, the likeliest first.
   [[nodiscard]] std::vector<std::uint32_t> neighbours(std::size_t a, std::size_t most) const {
     const LevelBall& ball = balls_[a];
     const double limit = 1.05 * std::max(cost_.scale, ball.fit.standOff());
     std::vector<std::pair<double, std::uint32_t>> near;
-    for (std::uint32_t b = 0; b < balls_.size() - fresh_; ++b) {
-      if (b == a) continue;
+    std::vector<double> squared;
+    squaredDistances(centers_, ball.fit.center.at, squared);
+    for (std::uint32_t b = 0; b < squared.size(); ++b) {
+      const double within = ball.fit.reach + depths_[b] + limit;
+      if (within < 0 || squared[b] > within * within || b == a) continue;
       const DepthProbe& center = balls_[b].fit.center;
-      const double within = ball.fit.reach + center.depth + limit;
-      if (within < 0 || (center.at - ball.fit.center.at).squaredNorm() > within * within) continue;
       double least = std::numeric_limits<double>::infinity();
       const std::size_t step = 1 + ball.pieces.size() / kLookedAt;
       for (std::size_t k = 0; k < ball.pieces.size(); k += step) {
@@ -200,6 +213,7 @@ class LevelRefiner {
       const std::vector<LevelBall> old = balls_;
       medial::parallelFor(balls_.size(), request_.context, [&](std::size_t b) { fit(b); });
       std::vector<std::uint32_t> owner(problem_.pieces.size());
+      gatherCenters();
       medial::parallelFor(balls_.size(), request_.context, [&](std::size_t a) {
         const std::vector<std::uint32_t> near = neighbours(a, balls_.size());
         for (const std::uint32_t piece : balls_[a].pieces) owner[piece] = bestFor(piece, a, near);
@@ -217,6 +231,7 @@ class LevelRefiner {
   void polish() {
     std::vector<bool> done(balls_.size(), false);
     for (;;) {
+      gatherCenters();
       std::vector<Attempt> attempts;
       std::vector<bool> busy(balls_.size(), false);
       for (const std::uint32_t b : byCost()) {
@@ -474,6 +489,7 @@ class LevelRefiner {
     for (std::size_t used = 0; used < budget;) {
       request_.context.checkCancelled();
       rescale();
+      gatherCenters();
       tries_.resize(balls_.size(), 0);
       triesOf_.resize(balls_.size(), kNone);
       findHandovers();
@@ -484,10 +500,12 @@ class LevelRefiner {
       const std::vector<std::uint32_t> order = byCost();
       const std::size_t old = balls_.size();
       for (const bool apart : {true, false}) {
+        std::size_t looked = 0;
         for (const std::uint32_t at : order) {
-          if (attempts.size() >= kBatch) break;
+          if (attempts.size() >= kBatch || (apart && looked >= kMostLooked)) break;
           if (apart && busy[at]) continue;
           propose(at, apart, victims, room, busy, attempts);
+          ++looked;
         }
       }
       if (attempts.empty()) break;
@@ -642,6 +660,7 @@ class LevelRefiner {
       for (const auto& [price, v] : order) {
         if (balls_[v].pieces.empty()) continue;
         request_.context.checkCancelled();
+        gatherCenters();
         std::vector<std::uint32_t> members{v};
         for (const std::uint32_t n : neighbours(v, kMostNeighbours)) {
           if (!balls_[n].pieces.empty()) members.push_back(n);  // what is out of use stays so
@@ -660,6 +679,8 @@ class LevelRefiner {
   LevelProblem& problem_;
   const RefineRequest& request_;
   std::vector<LevelBall> balls_;
+  PointBlock centers_;                              // of balls_, without those that stand for room
+  std::vector<double> depths_;                      // of the centres
   std::vector<std::uint32_t> version_;              // of each ball, a new one with every change
   std::vector<std::vector<Handover>> handovers_;    // by the parent that hands over
   std::vector<std::vector<std::uint32_t>> common_;  // of each ball, the parents allowed for all its pieces
