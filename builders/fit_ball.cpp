@@ -177,6 +177,12 @@ void PointBlock::push(const Vector3d& p) {
   z.push_back(p.z());
 }
 
+void PointBlock::append(const PointBlock& more) {
+  x.insert(x.end(), more.x.begin(), more.x.end());
+  y.insert(y.end(), more.y.begin(), more.y.end());
+  z.insert(z.end(), more.z.begin(), more.z.end());
+}
+
 SPHERETREE_WIDE
 double farthestSquared(const PointBlock& points, const Vector3d& center) {
   const std::size_t n = points.size();

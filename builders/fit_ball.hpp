@@ -32,6 +32,7 @@ struct PointBlock {
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
   void clear();
   void push(const Eigen::Vector3d& p);
+  void append(const PointBlock& more);
 };
 
 /// Largest squared distance from `center` to the points; 0 when there are none.

@@ -119,12 +119,7 @@ class EvenGrouping {
   void fitAll() {
     medial::parallelFor(groups_.size(), context_, [&](std::size_t g) {
       PointBlock points;
-      for (const std::uint32_t m : groups_[g].members) {
-        const PointBlock& more = members_[m];
-        points.x.insert(points.x.end(), more.x.begin(), more.x.end());
-        points.y.insert(points.y.end(), more.y.begin(), more.y.end());
-        points.z.insert(points.z.end(), more.z.begin(), more.z.end());
-      }
+      for (const std::uint32_t m : groups_[g].members) points.append(members_[m]);
       if (points.size() > 0) groups_[g].fit = fitBall(surface_, points, groups_[g].fit.center, effort_);
     });
   }

@@ -506,8 +506,6 @@ class LevelDriver {
     const std::size_t depth = levels_.size();
     RefineRequest request = requestFor(settings_.seed + nodesSoFar_ + pass_);
     if (problem.loads.empty()) return refineLevel(problem, std::move(balls), request);
-    LevelProblem plain = problem;
-    plain.loads.clear();
     std::vector<std::vector<LevelBall>> starts{balls};
     if (problem.parents == 1) {
       for (std::vector<LevelBall>& other : otherStarts(balls)) starts.push_back(std::move(other));
@@ -546,7 +544,7 @@ class LevelDriver {
       problem = std::move(best->problem);
       return std::move(best->balls);
     }
-    problem = std::move(plain);
+    problem.loads.clear();
     return refineLevel(problem, std::move(balls), request);
   }
 
@@ -716,10 +714,7 @@ class LevelDriver {
       std::vector<Node>& below = levels_[l + 1];
       std::vector<PointBlock> joined(above.size());
       for (std::size_t i = 0; i < below.size(); ++i) {
-        PointBlock& to = joined[below[i].parent];
-        to.x.insert(to.x.end(), points[i].x.begin(), points[i].x.end());
-        to.y.insert(to.y.end(), points[i].y.begin(), points[i].y.end());
-        to.z.insert(to.z.end(), points[i].z.begin(), points[i].z.end());
+        joined[below[i].parent].append(points[i]);
       }
       std::vector<std::uint32_t> number(above.size(), 0);
       std::vector<Node> kept;

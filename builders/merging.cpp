@@ -116,9 +116,7 @@ class Merging {
     Cluster& a = clusters_[merge.a];
     Cluster& b = clusters_[merge.b];
     a.units.insert(a.units.end(), b.units.begin(), b.units.end());
-    a.points.x.insert(a.points.x.end(), b.points.x.begin(), b.points.x.end());
-    a.points.y.insert(a.points.y.end(), b.points.y.begin(), b.points.y.end());
-    a.points.z.insert(a.points.z.end(), b.points.z.begin(), b.points.z.end());
+    a.points.append(b.points);
     std::vector<std::uint32_t> neighbours;
     std::set_union(a.neighbours.begin(), a.neighbours.end(), b.neighbours.begin(), b.neighbours.end(),
                    std::back_inserter(neighbours));
