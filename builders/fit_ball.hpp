@@ -30,6 +30,7 @@ struct PointBlock {
   std::vector<double> z;
 
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
+  [[nodiscard]] Eigen::Vector3d at(std::size_t i) const { return {x[i], y[i], z[i]}; }
   void clear();
   void push(const Eigen::Vector3d& p);
   void append(const PointBlock& more);

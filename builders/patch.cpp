@@ -50,8 +50,9 @@ void BallCost::weighLoad(double load, double weight) {
   fairLoad = std::max(fairLoad, load * std::pow(weight, -1 / kLoadPower));
 }
 
-Patch::Patch(const RefineRequest& request, const LevelProblem& problem, const std::vector<LevelBall>& level,
-             std::span<const std::uint32_t> members, const BallCost& cost)
+Patch::Patch(const RefineRequest& request, const LevelProblem& problem, const CornerIndex& corners,
+             const std::vector<LevelBall>& level, std::span<const std::uint32_t> members,
+             const BallCost& cost)
     : request_(request), problem_(problem), cost_(cost), members_(members.begin(), members.end()) {
   std::size_t count = 0;
   for (const std::uint32_t m : members_) count += level[m].pieces.size();
@@ -66,10 +67,12 @@ Patch::Patch(const RefineRequest& request, const LevelProblem& problem, const st
     for (const std::uint32_t piece : ball.pieces) {
       pieces_.push_back(piece);
       owner_.push_back(i);
-      for (const Vector3d& p : problem.pieces[piece].points) points_.push(p);
-      start_.push_back(static_cast<std::uint32_t>(points_.size()));
+      const std::span<const std::uint32_t> places = corners.of(piece);
+      corner_.insert(corner_.end(), places.begin(), places.end());
+      start_.push_back(static_cast<std::uint32_t>(corner_.size()));
     }
   }
+  numberCorners(corners);
   reach_.resize(members_.size() * pieces_.size());
   for (std::size_t i = 0; i < members_.size(); ++i) measure(i);
 }
@@ -85,14 +88,32 @@ void takeRoots(double* values, std::size_t count) {
 
 }  // namespace
 
+/// Makes numbers of the level's places numbers of the patch's own.
+void Patch::numberCorners(const CornerIndex& corners) {
+  if (corner_.empty()) return;
+  const auto [least, most] = std::minmax_element(corner_.begin(), corner_.end());
+  const std::uint32_t first = *least;
+  std::vector<std::uint32_t> number(*most - first + 1, kNobody);
+  for (std::uint32_t& corner : corner_) {
+    std::uint32_t& own = number[corner - first];
+    if (own == kNobody) {
+      own = static_cast<std::uint32_t>(points_.size());
+      points_.push(corners.place(corner));
+    }
+    corner = own;
+  }
+  marked_.assign(points_.size(), 0);
+}
+
 /// Fills the row of reaches of one ball.
 void Patch::measure(std::size_t member) {
   squaredDistances(points_, balls_[member].fit.center.at, squared_);
   const double* squared = squared_.data();
   double* row = reach_.data() + member * pieces_.size();
   for (std::size_t piece = 0; piece < pieces_.size(); ++piece) {
-    double most = squared[start_[piece]];
-    for (std::uint32_t i = start_[piece] + 1; i < start_[piece + 1]; ++i) most = std::max(most, squared[i]);
+    double most = squared[corner_[start_[piece]]];
+    for (std::uint32_t i = start_[piece] + 1; i < start_[piece + 1]; ++i)
+      most = std::max(most, squared[corner_[i]]);
     row[piece] = most;
   }
   takeRoots(row, pieces_.size());
@@ -116,12 +137,14 @@ double Patch::worst() const {
 
 void Patch::gather(std::size_t member) {
   own_.clear();
+  ++mark_;
   for (std::size_t piece = 0; piece < pieces_.size(); ++piece) {
     if (owner_[piece] != member) continue;
-    for (std::uint32_t i = start_[piece]; i < start_[piece + 1]; ++i) {
-      own_.x.push_back(points_.x[i]);
-      own_.y.push_back(points_.y[i]);
-      own_.z.push_back(points_.z[i]);
+    for (std::uint32_t k = start_[piece]; k < start_[piece + 1]; ++k) {
+      const std::uint32_t i = corner_[k];
+      if (marked_[i] == mark_) continue;
+      marked_[i] = mark_;
+      own_.push(points_.at(i));
     }
   }
 }
@@ -357,7 +380,7 @@ void Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::ui
   // Variant 0 takes the farthest, the others step through the farther half.
   const std::size_t pick = variant == 0 ? 0 : (variant * (far.size() / 2 + 1) / 5) % far.size();
   const auto corner = [&](std::uint32_t piece) {
-    return Vector3d(points_.x[start_[piece]], points_.y[start_[piece]], points_.z[start_[piece]]);
+    return points_.at(corner_[start_[piece]]);
   };
   const Vector3d seed = corner(far[pick].second);
   std::vector<std::pair<double, std::uint32_t>> near;
@@ -395,7 +418,7 @@ void Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::ui
 DepthProbe Patch::startFor(const Vector3d& seed, const Vector3d& old) const {
   const Surface& surface = request_.surface;
   Vector3d middle = Vector3d::Zero();
-  for (std::size_t i = 0; i < own_.size(); ++i) middle += Vector3d(own_.x[i], own_.y[i], own_.z[i]);
+  for (std::size_t i = 0; i < own_.size(); ++i) middle += own_.at(i);
   middle /= static_cast<double>(own_.size());
   std::vector<Vector3d> starts{0.5 * middle + 0.5 * old, 0.8 * middle + 0.2 * old};
   for (const Vector3d& place : {middle, seed}) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "builders/fit_ball.hpp"
+#include "builders/corner_index.hpp"
 #include "builders/refine.hpp"
 
 namespace spheretree::builders {
@@ -33,9 +34,9 @@ struct BallCost {
 /// the reach of every ball to every piece, so sharing out costs no distance.
 class Patch {
  public:
-  /// Takes a copy of what it needs from the level.
-  Patch(const RefineRequest& request, const LevelProblem& problem, const std::vector<LevelBall>& level,
-        std::span<const std::uint32_t> members, const BallCost& cost);
+  /// Takes a copy of what it needs from the level. `corners` are those of the problem's pieces.
+  Patch(const RefineRequest& request, const LevelProblem& problem, const CornerIndex& corners,
+        const std::vector<LevelBall>& level, std::span<const std::uint32_t> members, const BallCost& cost);
 
   [[nodiscard]] double energy() const;
   [[nodiscard]] const std::vector<std::uint32_t>& members() const noexcept { return members_; }
@@ -69,6 +70,7 @@ class Patch {
     bool dirty = true;  // its pieces changed since it was fitted
   };
 
+  void numberCorners(const CornerIndex& corners);
   void gather(std::size_t member);
   void measure(std::size_t member);
   void fit(std::size_t member, const FitEffort& effort);
@@ -92,13 +94,16 @@ class Patch {
   std::vector<std::uint32_t> members_;
   std::vector<Member> balls_;
   std::vector<std::uint32_t> pieces_;  // numbers in the problem
-  std::vector<std::uint32_t> start_;   // of each piece in points_
-  PointBlock points_;
+  PointBlock points_;                  // of all pieces, each place once
+  std::vector<std::uint32_t> corner_;  // of each piece, numbers in points_
+  std::vector<std::uint32_t> start_;   // of each piece in corner_
   std::vector<std::uint32_t> owner_;
   std::vector<double> reach_;
   std::vector<double> squared_;  // scratch
   // Scratch.
-  PointBlock own_;  // the points of one ball
+  PointBlock own_;                     // the points of one ball
+  std::vector<std::uint32_t> marked_;  // of each point, the call of gather() that took it last
+  std::uint32_t mark_ = 0;
   std::vector<std::pair<double, std::uint32_t>> far_;
   std::vector<std::pair<double, std::uint32_t>> order_;
   std::vector<Member> grown_;

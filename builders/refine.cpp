@@ -18,6 +18,7 @@
 
 #include <Eigen/Geometry>
 
+#include "builders/corner_index.hpp"
 #include "builders/patch.hpp"
 #include "medial/parallel.hpp"
 
@@ -64,6 +65,7 @@ class LevelRefiner {
     cost_.fairLoad = problem.fairLoad;
     version_.resize(balls_.size());
     for (std::uint32_t& v : version_) v = ++clock_;
+    corners_ = CornerIndex(problem.pieces);
   }
 
   std::vector<LevelBall> run() {
@@ -170,6 +172,9 @@ class LevelRefiner {
 
   /// Where the balls are, side by side; to be called before neighbours() when balls have moved.
   void gatherCenters() {
+    ++gathered_;
+    nearOf_.resize(balls_.size(), 0);
+    near_.resize(balls_.size());
     centers_.clear();
     depths_.clear();
     for (const LevelBall& ball : balls_) {
@@ -204,6 +209,15 @@ class LevelRefiner {
     std::vector<std::uint32_t> result;
     for (const auto& [value, b] : near) result.push_back(b);
     return result;
+  }
+
+  /// The few balls next to ball a, found once between two calls of gatherCenters().
+  [[nodiscard]] const std::vector<std::uint32_t>& closest(std::size_t a) {
+    if (nearOf_[a] != gathered_) {
+      nearOf_[a] = gathered_;
+      near_[a] = neighbours(a, kMostNeighbours);
+    }
+    return near_[a];
   }
 
   /// Centres, then pieces, over the whole level.
@@ -271,10 +285,15 @@ class LevelRefiner {
 
   void fit(std::size_t b) {
     if (balls_[b].pieces.empty()) return;
-    PointBlock points;
+    std::vector<std::uint32_t> places;
     for (const std::uint32_t piece : balls_[b].pieces) {
-      for (const Vector3d& p : problem_.pieces[piece].points) points.push(p);
+      const std::span<const std::uint32_t> more = corners_.of(piece);
+      places.insert(places.end(), more.begin(), more.end());
     }
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    PointBlock points;
+    for (const std::uint32_t place : places) points.push(corners_.place(place));
     balls_[b].fit = fitBall(request_.surface, points, balls_[b].fit.center, request_.effort.fit);
   }
 
@@ -338,7 +357,7 @@ class LevelRefiner {
   std::size_t attempt(std::vector<Attempt>& attempts) {
     medial::parallelFor(attempts.size(), request_.context, [&](std::size_t i) {
       Attempt& a = attempts[i];
-      Patch patch(request_, problem_, balls_, a.members, cost_);
+      Patch patch(request_, problem_, corners_, balls_, a.members, cost_);
       const double before = patch.energy();
       const auto number = [&](std::uint32_t b) {
         return static_cast<std::size_t>(std::find(a.members.begin(), a.members.end(), b) - a.members.begin());
@@ -382,11 +401,11 @@ class LevelRefiner {
     return taken;
   }
 
-  [[nodiscard]] std::vector<std::uint32_t> membersOf(std::uint32_t from, std::uint32_t at) const {
+  [[nodiscard]] std::vector<std::uint32_t> membersOf(std::uint32_t from, std::uint32_t at) {
     std::vector<std::uint32_t> members{from};
     if (at != from) members.push_back(at);
     for (const std::uint32_t centre : {at, from}) {
-      for (const std::uint32_t n : neighbours(centre, kMostNeighbours)) {
+      for (const std::uint32_t n : closest(centre)) {
         if (std::find(members.begin(), members.end(), n) == members.end()) members.push_back(n);
       }
     }
@@ -394,8 +413,8 @@ class LevelRefiner {
   }
 
   /// What it costs at most to do without ball v.
-  [[nodiscard]] double removalCost(std::uint32_t v) const {
-    const std::vector<std::uint32_t> near = neighbours(v, kMostNeighbours);
+  [[nodiscard]] double removalCost(std::uint32_t v) {
+    const std::vector<std::uint32_t>& near = closest(v);
     std::vector<LevelBall> grown(near.size());
     for (std::size_t k = 0; k < near.size(); ++k) {
       grown[k].fit = balls_[near[k]].fit;
@@ -645,7 +664,9 @@ class LevelRefiner {
         problem_.allowed.push_back(std::move(allowed));
       }
     }
-    return problem_.pieces.size() > old;
+    if (problem_.pieces.size() == old) return false;
+    corners_ = CornerIndex(problem_.pieces);
+    return true;
   }
 
   /// Takes balls away as long as the rest stays good enough.
@@ -662,10 +683,10 @@ class LevelRefiner {
         request_.context.checkCancelled();
         gatherCenters();
         std::vector<std::uint32_t> members{v};
-        for (const std::uint32_t n : neighbours(v, kMostNeighbours)) {
+        for (const std::uint32_t n : closest(v)) {
           if (!balls_[n].pieces.empty()) members.push_back(n);  // what is out of use stays so
         }
-        Patch patch(request_, problem_, balls_, members, cost_);
+        Patch patch(request_, problem_, corners_, balls_, members, cost_);
         const double allowed = std::max(request_.goodEnough, patch.worst());
         if (!patch.remove(0)) continue;
         patch.relax(2 * kRelaxSweeps, request_.effort.fit, std::numeric_limits<double>::infinity());
@@ -677,10 +698,14 @@ class LevelRefiner {
   }
 
   LevelProblem& problem_;
+  CornerIndex corners_;  // of its pieces
   const RefineRequest& request_;
   std::vector<LevelBall> balls_;
   PointBlock centers_;                              // of balls_, without those that stand for room
   std::vector<double> depths_;                      // of the centres
+  std::uint32_t gathered_ = 0;                      // calls of gatherCenters()
+  std::vector<std::vector<std::uint32_t>> near_;    // of each ball, those next to it
+  std::vector<std::uint32_t> nearOf_;               // the call that near_ belongs to
   std::vector<std::uint32_t> version_;              // of each ball, a new one with every change
   std::vector<std::vector<Handover>> handovers_;    // by the parent that hands over
   std::vector<std::vector<std::uint32_t>> common_;  // of each ball, the parents allowed for all its pieces
