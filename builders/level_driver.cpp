@@ -87,6 +87,7 @@ struct OpenNode {
   Node node;
   Region region;
   Axis axis;  // of the region above, which this one's is refined from; null when no reducer wants any
+  std::size_t winner = 0;  // the reducer that the ball is from
 };
 
 /// What the reducers proposed for one node.
@@ -396,6 +397,19 @@ class LevelDriver {
     return takeOver(proposals);
   }
 
+  /// Refinement goes on from the sets; the first level, few balls that all else depends on, starts well.
+  [[nodiscard]] Use useOfSets() const {
+    const bool start = refine_ && link_ && settings_.objective == Objective::Worst;
+    return start && (sketching_ || levels_.size() > 1) ? Use::Start : Use::Final;
+  }
+
+  /// Whether a reducer is asked for the children of a node.
+  [[nodiscard]] bool isAsked(std::size_t reducer, const OpenNode& node) const {
+    const bool all =
+        !refine_ || !link_ || levels_.size() == 1 || !buildEffort(settings_.quality).winnerGoesOn;
+    return all || reducer == node.winner;
+  }
+
   Proposal propose(const OpenNode& node, std::uint64_t seed) {
     Proposal best;
     const double overhang = node.node.fit.standOff();
@@ -411,9 +425,10 @@ class LevelDriver {
       const medial::MedialAxis none;
       SetError least;
       for (std::size_t r = 0; r < reducers_.size(); ++r) {
+        if (!isAsked(r, node)) continue;
         const std::vector<Ball> balls =
             reducers_[r].reducer->reduce({surface_, set, best.axis ? best.axis->axis : none, settings_.branch,
-                                          goodEnough_, settings_.objective, seed, context_});
+                                          goodEnough_, settings_.objective, seed, useOfSets(), context_});
         std::vector<LevelBall> level = shareOut(surface_, set, balls);
         const SetError error = setError(surface_, ballsOf(level), settings_.objective);
         const bool wins = best.balls.empty() || error < least;
@@ -438,6 +453,7 @@ class LevelDriver {
     for (std::uint32_t i = 0; i < proposal.pieces.size(); ++i) same.pieces.push_back(i);
     proposal.balls = {std::move(same)};
     proposal.axis = node.axis;
+    proposal.winner = node.winner;
     proposal.refined = false;
   }
 
@@ -669,6 +685,7 @@ class LevelDriver {
         OpenNode child;
         child.node = {ball.fit, i};
         child.axis = proposal.axis;
+        child.winner = proposal.winner;
         for (const std::uint32_t piece : ball.pieces) {
           Piece& p = proposal.pieces[piece];
           if (p.triangles.empty()) {

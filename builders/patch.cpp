@@ -379,9 +379,7 @@ void Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::ui
   std::sort(far.begin(), far.end());
   // Variant 0 takes the farthest, the others step through the farther half.
   const std::size_t pick = variant == 0 ? 0 : (variant * (far.size() / 2 + 1) / 5) % far.size();
-  const auto corner = [&](std::uint32_t piece) {
-    return points_.at(corner_[start_[piece]]);
-  };
+  const auto corner = [&](std::uint32_t piece) { return points_.at(corner_[start_[piece]]); };
   const Vector3d seed = corner(far[pick].second);
   std::vector<std::pair<double, std::uint32_t>> near;
   for (const auto& [reach, piece] : far) near.emplace_back((corner(piece) - seed).squaredNorm(), piece);

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "builders/fit_ball.hpp"
 #include "builders/corner_index.hpp"
+#include "builders/fit_ball.hpp"
 #include "builders/refine.hpp"
 
 namespace spheretree::builders {

@@ -14,6 +14,12 @@
 
 namespace spheretree::builders {
 
+/// What becomes of a reducer's balls.
+enum class Use : std::uint8_t {
+  Final,  ///< they stay as they are
+  Start   ///< they are refined: a search may end where refinement goes on
+};
+
 /// Cover these cells with few balls.
 struct ReduceRequest {
   const medial::Surface& surface;
@@ -23,6 +29,7 @@ struct ReduceRequest {
   double goodEnough;  ///< overhang, mesh units: fewer balls are better than less overhang than this; 0: never
   Objective objective;
   std::uint64_t seed;
+  Use use;
   const medial::Context& context;
 };
 

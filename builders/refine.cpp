@@ -241,8 +241,9 @@ class LevelRefiner {
     }
   }
 
-  /// Refines around every ball, the costliest first.
+  /// Refines around every ball, the costliest first, as far down as the effort goes.
   void polish() {
+    const double floor = request_.objective == Objective::Worst ? request_.effort.polishFrom * worst() : 0;
     std::vector<bool> done(balls_.size(), false);
     for (;;) {
       gatherCenters();
@@ -251,6 +252,7 @@ class LevelRefiner {
       for (const std::uint32_t b : byCost()) {
         if (attempts.size() >= kBatch) break;
         if (done[b] || busy[b]) continue;
+        if (balls_[b].fit.standOff() < floor) break;
         Attempt a;
         a.still = true;
         a.members = membersOf(b, b);
@@ -724,34 +726,34 @@ class LevelRefiner {
 RefineEffort refineEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {1, 3, 2, 30, 2, {4, 1e-2}, {4, 2e-2}};
+      return {1, 3, 2, 30, 2, {4, 1e-2}, {4, 2e-2}, 0.8};
     case Quality::Best:
-      return {4, 12, 10, 300, 16, {12, 3e-4}, {6, 5e-3}};
+      return {4, 12, 10, 300, 16, {12, 3e-4}, {6, 5e-3}, 0};
     case Quality::Normal:
       break;
   }
-  return {2, 6, 2, 80, 6, {8, 1e-3}, {5, 1e-2}};
+  return {2, 6, 2, 80, 6, {8, 1e-3}, {5, 1e-2}, 0};
 }
 
 BuildEffort buildEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {false, 0, 1};
+      return {false, 0, 1, true};
     case Quality::Best:
-      return {true, 6, 3};
+      return {true, 6, 3, false};
     case Quality::Normal:
       break;
   }
-  return {true, 3, 1};
+  return {true, 3, 1, false};
 }
 
 RefineEffort sketchEffort() {
-  return {0, 3, 1, 30, 1, {4, 1e-2}, {4, 2e-2}};
+  return {0, 3, 1, 30, 1, {4, 1e-2}, {4, 2e-2}, 0};
 }
 
 RefineEffort spreadEffort(Quality quality) {
   if (quality == Quality::Best) return refineEffort(Quality::Normal);
-  return {0, 3, 1, 30, 2, {4, 1e-2}, {4, 2e-2}};
+  return {0, 3, 1, 30, 2, {4, 1e-2}, {4, 2e-2}, 0};
 }
 
 std::vector<LevelBall> refineLevel(LevelProblem& problem, std::vector<LevelBall> balls,

@@ -48,6 +48,7 @@ struct RefineEffort {
   std::uint32_t tries = 8;  ///< attempts to relieve one ball before it is left as it is
   FitEffort fit;            ///< of balls that stay where they are
   FitEffort trial;          ///< while it is open whether a move will do
+  double polishFrom = 0;    ///< share of the worst stand-off from which on balls are refined one by one
 };
 
 /// What a quality means here.
@@ -55,9 +56,10 @@ struct RefineEffort {
 
 /// How often a linked tree is built as a whole.
 struct BuildEffort {
-  bool sketch = true;      ///< a rough tree first, that shows where balls will be needed
-  std::size_t starts = 0;  ///< further sets that the first level is refined from
-  std::size_t passes = 1;  ///< trees, each foreseeing what the last one came to; the best one stays
+  bool sketch = true;         ///< a rough tree first, that shows where balls will be needed
+  std::size_t starts = 0;     ///< further sets that the first level is refined from
+  std::size_t passes = 1;     ///< trees, each foreseeing what the last one came to; the best one stays
+  bool winnerGoesOn = false;  ///< below the first level only the reducer that a ball is from is asked
 };
 
 [[nodiscard]] BuildEffort buildEffort(Quality quality);

@@ -227,7 +227,7 @@ void StandOffSearch::descend(double floor) {
       continue;
     }
     chosen_ = before;
-    if (failures == kRounds) break;
+    if (failures == kRounds || request_.use == Use::Start) break;
     ++failures;
     enrich(target, move);
     step = std::max(kLastStep, step * kStepDecay);
@@ -332,8 +332,10 @@ std::vector<Ball> StandOffSearch::finish() {
   descend(std::max(0.0, request_.goodEnough));
   const bool enough = request_.goodEnough > 0 && standOff_ <= request_.goodEnough;
   if (enough) takeFewest(request_.goodEnough);
-  const double slack = request_.objective == Objective::Worst ? 1 + kRounding : kMeanSlack;
-  lowerMean(enough ? request_.goodEnough : slack * std::max(0.0, standOff_));
+  if (request_.use == Use::Final) {
+    const double slack = request_.objective == Objective::Worst ? 1 + kRounding : kMeanSlack;
+    lowerMean(enough ? request_.goodEnough : slack * std::max(0.0, standOff_));
+  }
   const std::vector<Candidate> balls = chosenBalls();
   const double standOff = blocks_.standOff(balls);
   // Adding the depth to what is left after taking it away may round down.

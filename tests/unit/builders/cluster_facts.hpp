@@ -148,7 +148,8 @@ inline void sameBitsForAnyThreads(const Reducer& reducer, const std::string& bui
   for (std::vector<medial::Ball>& result : results) {
     threads.emplace_back([&] {
       const medial::Context three(3);
-      result = reducer.reduce({region.surface, region.cells, region.axis, 8, 0, Objective::Worst, 1, three});
+      result = reducer.reduce(
+          {region.surface, region.cells, region.axis, 8, 0, Objective::Worst, 1, Use::Final, three});
     });
   }
   for (std::thread& thread : threads) thread.join();

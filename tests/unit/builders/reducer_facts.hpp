@@ -55,7 +55,7 @@ struct RegionOf {
   [[nodiscard]] std::vector<medial::Ball> reduce(const Reducer& reducer, std::uint32_t maxBalls,
                                                  double goodEnough = 0,
                                                  Objective objective = Objective::Worst) const {
-    return reducer.reduce({surface, cells, axis, maxBalls, goodEnough, objective, 1, context});
+    return reducer.reduce({surface, cells, axis, maxBalls, goodEnough, objective, 1, Use::Final, context});
   }
   [[nodiscard]] double standOff(const medial::Ball& ball) const {
     return ball.radius - surface.depth(ball.center);
