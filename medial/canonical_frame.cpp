@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -108,12 +110,40 @@ Vector3d directed(const TriangleMesh& mesh, const Vector3d& centroid, const Vect
   return third < 0 ? Vector3d(-axis) : axis;
 }
 
+/// Vertices in lexicographic order, triangles beginning with their first vertex and in lexicographic order,
+/// too.
+TriangleMesh sortedByPlace(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Vector3d& p = mesh.vertices[a];
+    const Vector3d& q = mesh.vertices[b];
+    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+  });
+  TriangleMesh sorted;
+  std::vector<std::uint32_t> place(order.size());
+  sorted.vertices.reserve(order.size());
+  for (const std::uint32_t old : order) {
+    place[old] = static_cast<std::uint32_t>(sorted.vertices.size());
+    sorted.vertices.push_back(mesh.vertices[old]);
+  }
+  sorted.triangles.reserve(mesh.triangles.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    TriangleMesh::Triangle triangle{place[a], place[b], place[c]};
+    std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
+    sorted.triangles.push_back(triangle);
+  }
+  std::sort(sorted.triangles.begin(), sorted.triangles.end());
+  return sorted;
+}
+
 // Far above what rounding leaves of a moved mesh, far below what a tree in single precision can tell apart.
 constexpr double kPlace = 0x1p-32;
 
 }  // namespace
 
-CanonicalFrame canonicalFrame(const TriangleMesh& mesh) {
+CanonicalFrame canonicalFrame(const TriangleMesh& given) {
+  const TriangleMesh mesh = sortedByPlace(given);  // sums and ties in an order that is not the file's
   const Moments moments = momentsOf(mesh, boundsOf(mesh).center());
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(moments.covariance);
   const Vector3d values = solver.eigenvalues();  // ascending
@@ -153,7 +183,7 @@ TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame, Plac
     const Vector3d at = frame.forward(v);
     moved.vertices.push_back(places == Places::Exact ? at : Vector3d((at / kPlace).array().round() * kPlace));
   }
-  return moved;
+  return sortedByPlace(moved);
 }
 
 }  // namespace spheretree::medial
