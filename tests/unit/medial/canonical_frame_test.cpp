@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "medial/random.hpp"
 #include "models/shapes.hpp"
 
@@ -62,6 +64,22 @@ TEST(CanonicalFrame, KeepsTheSolid) {
   EXPECT_TRUE(boundsVolume(moved));
   EXPECT_NEAR(signedVolumeOf(moved) * std::pow(frame.scale, 3), 3, 1e-12);
   EXPECT_NEAR(areaOf(moved) * std::pow(frame.scale, 2), areaOf(mesh), 1e-12);
+}
+
+TEST(CanonicalFrame, IsARotationWhenAllLargeTrianglesFaceAlongOneAxis) {
+  // The caps of a gear have all of the largest triangles; what is across them is rounding.
+  for (std::uint32_t teeth = 3; teeth <= 24; ++teeth) {
+    SCOPED_TRACE(std::to_string(teeth) + " teeth");
+    const TriangleMesh gear = models::makeGear(teeth);
+    for (const double angle : {0.0, 0.3, 1.1}) {
+      TriangleMesh turned = gear;
+      const Eigen::AngleAxisd turn(angle, Eigen::Vector3d(1, 2, 3).normalized());
+      for (Eigen::Vector3d& v : turned.vertices) v = turn * v;
+      const CanonicalFrame frame = canonicalFrame(turned);
+      EXPECT_LT((frame.axes * frame.axes.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+      EXPECT_NEAR(frame.axes.determinant(), 1, 1e-9);
+    }
+  }
 }
 
 TEST(Measurable, FromTheSmallestToTheLargestSolidOfDoubles) {
