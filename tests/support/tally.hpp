@@ -23,7 +23,7 @@ struct Tally {
   std::size_t cases = 0;
   std::size_t comparisons = 0;
   std::size_t contradictions = 0;
-  std::string note;  ///< no comma in it
+  std::string note{};  ///< no comma in it
 };
 
 /// Appends the line to the file that SPHERETREE_DIFFERENTIAL_CSV names, if it names one.
