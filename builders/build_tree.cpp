@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "builders/build_tree.hpp"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
+#include <cstdio>
 #include <exception>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -33,6 +38,42 @@ class Stopwatch {
   std::vector<StageTime>& stages_;
   Clock::time_point last_;
 };
+
+// With coarser steps the balls of every level are about as large as the mesh, and the tree says nothing.
+constexpr double kCoarsestStep = 0.25;
+
+double reachOf(const medial::Surface& surface) {
+  return std::max(surface.bounds().min().cwiseAbs().maxCoeff(), surface.bounds().max().cwiseAbs().maxCoeff());
+}
+
+/// As BuildReport::coordinateStep.
+double coordinateStep(const medial::Surface& surface) {
+  const double reach = reachOf(surface);
+  if (reach >= static_cast<double>(std::numeric_limits<float>::max()))
+    return std::numeric_limits<double>::infinity();
+  const auto here = static_cast<float>(reach);
+  const float next = std::nextafter(here, std::numeric_limits<float>::infinity());
+  return (static_cast<double>(next) - static_cast<double>(here)) / surface.diagonal();
+}
+
+/// A sentence saying why balls in single precision cannot stand for the surface; empty when they can.
+std::string whyNotInFloats(const medial::Surface& surface, double step) {
+  const double diagonal = surface.diagonal();
+  std::array<char, 256> text{};
+  if (reachOf(surface) + diagonal >= static_cast<double>(std::numeric_limits<float>::max())) {
+    std::snprintf(
+        text.data(), text.size(),
+        "the mesh reaches out to %.3g, and the balls of a tree are in single precision, which ends at 3.4e38",
+        reachOf(surface));
+  } else if (step > kCoarsestStep) {
+    std::snprintf(
+        text.data(), text.size(),
+        "the mesh is %.3g across, but so placed that the single precision of a tree has steps of %.3g there; "
+        "%s",
+        diagonal, step * diagonal, reachOf(surface) > diagonal ? "move it to the origin" : "scale it up");
+  }
+  return text.data();
+}
 
 /// Builders see every mesh in the frame of its own shape: size, place and attitude of the input then matter
 /// no more than rounding does.
@@ -93,6 +134,10 @@ Result<BuildResult> build(const medial::Surface& surface, const BuildSettings& s
     return Error{ErrorCode::InvalidArgument, std::move(reason)};
   }
   BuildReport report;
+  report.coordinateStep = coordinateStep(surface);
+  if (std::string reason = whyNotInFloats(surface, report.coordinateStep); !reason.empty()) {
+    return Error{ErrorCode::UnsuitableMesh, std::move(reason)};
+  }
   report.settings = settings;
   report.threads = context.threads();
   Stopwatch watch(report.stages);

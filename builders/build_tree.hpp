@@ -18,7 +18,8 @@ namespace spheretree::builders {
 /// finds no children that stick out less than their parents (one ball fits a ball best). A single ball of
 /// which that is true is repeated on the levels below, so that each level is a cover by itself.
 ///
-/// Errors: InvalidArgument (settings out of range, unknown builder), Cancelled.
+/// Errors: InvalidArgument (settings out of range, unknown builder), UnsuitableMesh (too large for single
+/// precision, or too far from the origin for its size), Cancelled.
 Result<BuildResult> buildTree(const medial::Surface& surface, const BuildSettings& settings,
                               const medial::Context& context);
 

@@ -30,6 +30,8 @@
 
 #include <Eigen/Geometry>
 
+#include "medial/triangle_frame.hpp"
+
 namespace spheretree::builders {
 namespace {
 
@@ -59,8 +61,13 @@ class TriangleDistance {
     const double length = normal_.norm();
     // The plane of a sliver is noise; its edges are as good.
     constexpr double kSliver = 1e-10;
-    flat_ = length > kSliver * std::max(edge_[0].squaredNorm(), edge_[1].squaredNorm());
-    if (flat_) normal_ /= length;
+    const double longest = std::max({edge_[0].squaredNorm(), edge_[1].squaredNorm(), edge_[2].squaredNorm()});
+    flat_ = length > kSliver * longest;
+    // Below this fraction of it the cross product has lost digits.
+    constexpr double kThin = 1e-2;
+    if (flat_)
+      normal_ =
+          length > kThin * longest ? Vector3d(normal_ / length) : medial::TriangleFrame(corner_).normal();
   }
 
   [[nodiscard]] double operator()(const Vector3d& x) const {

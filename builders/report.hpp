@@ -31,6 +31,9 @@ struct BuildReport {
   ChainProof surfaceChains;   ///< certified in every tree that buildTree returns
   ChainProof solidChains;     ///< proved for Cover::Solid only; otherwise not attempted
   bool errorBoundMet = true;  ///< false: maxError was set and the last level's worst overhang is above it
+  /// Distance of neighbouring floats where the mesh is farthest from the origin, fraction of the diagonal: no
+  /// ball of the tree is placed better than that.
+  double coordinateStep = 0;
   std::vector<StageTime>
       stages;  ///< "build" is the builder alone, "certify" the proofs, "measure" the metrics
   unsigned threads = 1;

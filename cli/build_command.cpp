@@ -137,6 +137,15 @@ void remarkTimes(const BuildReport& report) {
            counted(report.threads, "thread", "threads"));
 }
 
+/// Worth a word: no level can be better than this.
+std::string placeWarning(const BuildReport& report, const std::string& mesh) {
+  constexpr double kNoticeable = 1e-3;
+  if (report.coordinateStep < kNoticeable) return {};
+  return mesh + ": is so far from the origin that single precision rounds the places of balls to " +
+         shortNumber(100 * report.coordinateStep, 2) +
+         " % of the diagonal; nearer to it the tree would be tighter";
+}
+
 ExitCode runBuild(const BuildOptions& options) {
   std::vector<fs::path> inputs{options.mesh};
   if (!options.config.path.empty()) inputs.emplace_back(options.config.path);
@@ -156,6 +165,8 @@ ExitCode runBuild(const BuildOptions& options) {
   Result<BuildResult> build = builders::buildTree(input->surface, options.settings, context);
   bar.wipe();
   if (!build) return fail({build.error().code, options.mesh + ": " + build.error().message});
+  if (const std::string sentence = placeWarning(build->report, options.mesh); !sentence.empty())
+    warn(sentence);
   if (options.verbosity == Verbosity::Verbose) remarkTimes(build->report);
 
   Result<std::vector<Output>> outputs = format(*build, provenance, options);

@@ -45,6 +45,8 @@ void catchInterrupts() {
     if (::sigaction(signal, nullptr, &old) == 0 && old.sa_handler != SIG_IGN)
       ::sigaction(signal, &action, nullptr);
   }
+  // A limit on the size of files shall be an error of writing, like a full disk, and no sudden death.
+  ::signal(SIGXFSZ, SIG_IGN);
 }
 
 CancelOnInterrupt::CancelOnInterrupt(medial::Context& context) noexcept {

@@ -204,7 +204,7 @@ Result<std::string> readFile(const fs::path& path) {
       if (bytes.size() == bytes.capacity()) bytes.reserve(bytes.size() + kReadChunk);
     }
   } catch (const std::bad_alloc&) {
-    return unreadable(path, "not enough memory for the whole file");
+    return Error{ErrorCode::Internal, path.string() + ": not enough memory for the whole file"};
   }
 }
 

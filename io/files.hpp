@@ -13,7 +13,8 @@ namespace spheretree::io {
 /// What to do when an output exists already.
 enum class Overwrite : std::uint8_t { Refuse, Replace };
 
-/// The whole file. Errors: UnreadableInput, naming the file and the system's reason.
+/// The whole file. Errors: UnreadableInput, naming the file and the system's reason; Internal when memory is
+/// short.
 Result<std::string> readFile(const std::filesystem::path& path);
 
 /// Writes the whole file or nothing: a temporary file in the same folder, synced, renamed. A crash leaves

@@ -38,7 +38,8 @@ Result<PolygonSoup> readOff(std::string_view text);
 Result<PolygonSoup> readPly(std::string_view bytes);
 Result<PolygonSoup> readStl(std::string_view bytes);
 
-/// Every other format: assimp, node transforms applied in double, the winding of mirrored instances restored.
+/// Every other format: assimp, node transforms applied in double, the winding of mirrored instances restored. In a
+/// process of its own, because there are files that make assimp crash or go on for ever.
 Result<PolygonSoup> readWithAssimp(const std::filesystem::path& path);
 
 }  // namespace spheretree::io

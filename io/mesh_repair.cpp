@@ -43,6 +43,7 @@ std::optional<Error> impossible(const medial::TriangleMesh& mesh) {
         return unsuitable("a vertex has a coordinate that is not a finite number");
     }
   }
+  if (const std::string reason = medial::whyNotMeasurable(mesh); !reason.empty()) return unsuitable(reason);
   return std::nullopt;
 }
 

@@ -2,7 +2,8 @@
 //
 // glTF, Collada, 3DS, FBX and the rest through assimp, https://github.com/assimp/assimp. No post-processing
 // step is asked for: the node transforms are multiplied here, in double, and polygons are cut with those of
-// the other readers.
+// the other readers. Hostile files can exhaust its stack or keep it busy for ever, so it works in a process
+// of its own, which sends the polygons home as bytes.
 
 #include <assimp/config.h>
 #include <assimp/mesh.h>
@@ -10,13 +11,21 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <chrono>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "io/isolated.hpp"
 #include "io/mesh_readers.hpp"
 
 namespace spheretree::io {
@@ -87,9 +96,7 @@ std::optional<Error> appendNode(const aiScene& scene, const aiNode& node, const 
   return std::nullopt;
 }
 
-}  // namespace
-
-Result<PolygonSoup> readWithAssimp(const std::filesystem::path& path) {
+Result<PolygonSoup> readHere(const std::filesystem::path& path) {
   Assimp::Importer importer;
   std::string extension = path.extension().string();
   if (!importer.IsExtensionSupported(extension))
@@ -107,6 +114,68 @@ Result<PolygonSoup> readWithAssimp(const std::filesystem::path& path) {
   const std::optional<Error> error = appendNode(*scene, *scene->mRootNode, Eigen::Affine3d::Identity(), soup);
   if (error) return *error;
   return soup;
+}
+
+// --- the way home: a count of bytes, then the bytes, for each of the three arrays; then the meshes ---
+
+template <class Value>
+void append(std::string& bytes, const Value* values, std::size_t count) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  const std::size_t size = count * sizeof(Value);
+  bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
+  bytes.append(reinterpret_cast<const char*>(values), size);
+}
+
+template <class Value>
+std::vector<Value> taken(std::string_view& bytes) {
+  std::size_t size = 0;
+  std::memcpy(&size, bytes.data(), sizeof size);
+  std::vector<Value> values(size / sizeof(Value));
+  if (size > 0) std::memcpy(values.data(), bytes.data() + sizeof size, size);
+  bytes.remove_prefix(sizeof size + size);
+  return values;
+}
+
+std::string packed(const PolygonSoup& soup) {
+  std::string bytes;
+  append(bytes, soup.points.empty() ? nullptr : soup.points.front().data(), 3 * soup.points.size());
+  append(bytes, soup.corners.data(), soup.corners.size());
+  append(bytes, soup.polygonEnds.data(), soup.polygonEnds.size());
+  append(bytes, &soup.meshes, 1);
+  return bytes;
+}
+
+PolygonSoup unpacked(std::string_view bytes) {
+  PolygonSoup soup;
+  const std::vector<double> coordinates = taken<double>(bytes);
+  soup.points.reserve(coordinates.size() / 3);
+  for (std::size_t k = 0; k < coordinates.size(); k += 3)
+    soup.points.emplace_back(coordinates[k], coordinates[k + 1], coordinates[k + 2]);
+  soup.corners = taken<std::uint32_t>(bytes);
+  soup.polygonEnds = taken<std::size_t>(bytes);
+  soup.meshes = taken<std::size_t>(bytes).front();
+  return soup;
+}
+
+// Time that no decent file takes: a minute, and a second for so many bytes.
+constexpr std::chrono::seconds kPatience(60);
+constexpr std::uintmax_t kBytesPerSecond = 100'000;
+
+}  // namespace
+
+Result<PolygonSoup> readWithAssimp(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const std::uintmax_t size = std::filesystem::file_size(path, ignored);
+  const std::chrono::seconds extra(ignored ? 0 : static_cast<std::int64_t>(size / kBytesPerSecond));
+  const Result<std::string> bytes = runIsolated(
+      [&]() -> Result<std::string> {
+        const Result<PolygonSoup> soup = readHere(path);
+        if (!soup) return soup.error();
+        return packed(*soup);
+      },
+      kPatience + extra);
+  if (!bytes) return bytes.error();
+  return unpacked(*bytes);
 }
 
 }  // namespace spheretree::io

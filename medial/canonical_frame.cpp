@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -55,14 +57,23 @@ struct Facing {
   double area;
 };
 
-/// The directions of the largest triangles with the area of everything parallel to them.
-std::vector<Facing> facings(const TriangleMesh& mesh) {
+/// The part of a unit vector that is perpendicular to the axes; zero when that is no more than rounding may
+/// leave, which points anywhere.
+Vector3d across(const Vector3d& direction, const std::vector<Vector3d>& axes) {
+  Vector3d rest = direction;
+  for (const Vector3d& axis : axes) rest -= rest.dot(axis) * axis;
+  return rest.norm() > kParallel ? rest : Vector3d(Vector3d::Zero());
+}
+
+/// The directions of the largest triangles with the area of everything parallel to them. Triangles that face
+/// along the axes have no voice.
+std::vector<Facing> facings(const TriangleMesh& mesh, const std::vector<Vector3d>& axes) {
   std::vector<std::pair<double, std::uint32_t>> largest;
   std::vector<Vector3d> normals(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vector3d& a = mesh.corner(t, 0);
     normals[t] = (mesh.corner(t, 1) - a).cross(mesh.corner(t, 2) - a);
-    largest.emplace_back(-normals[t].norm(), t);
+    if (!across(normals[t].normalized(), axes).isZero(0)) largest.emplace_back(-normals[t].norm(), t);
   }
   const std::size_t voters = std::min(kVoters, largest.size());
   std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(voters), largest.end());
@@ -84,16 +95,16 @@ Vector3d dominantFacing(const std::vector<Facing>& candidates, const std::vector
   Vector3d best = Vector3d::Zero();
   double most = -1;
   for (const Facing& candidate : candidates) {
-    Vector3d across = candidate.direction;
-    for (const Vector3d& axis : axes) across -= across.dot(axis) * axis;
-    const double vote = candidate.area * across.squaredNorm();
+    const Vector3d rest = across(candidate.direction, axes);
+    const double vote = candidate.area * rest.squaredNorm();
     // Equal votes up to rounding: the first one stays.
     if (vote > most * (1 + 1e-9)) {
       most = vote;
-      best = across;
+      best = rest;
     }
   }
-  return best.norm() > 0 ? Vector3d(best.normalized()) : Vector3d(axes.front().unitOrthogonal());
+  if (best.norm() > 0) return best.normalized();
+  return axes.empty() ? Vector3d(Vector3d::UnitX()) : Vector3d(axes.front().unitOrthogonal());
 }
 
 /// Makes an axis point to the side where the surface reaches out with its third moment.
@@ -108,12 +119,40 @@ Vector3d directed(const TriangleMesh& mesh, const Vector3d& centroid, const Vect
   return third < 0 ? Vector3d(-axis) : axis;
 }
 
+/// Vertices in lexicographic order, triangles beginning with their first vertex and in lexicographic order,
+/// too.
+TriangleMesh sortedByPlace(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Vector3d& p = mesh.vertices[a];
+    const Vector3d& q = mesh.vertices[b];
+    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+  });
+  TriangleMesh sorted;
+  std::vector<std::uint32_t> place(order.size());
+  sorted.vertices.reserve(order.size());
+  for (const std::uint32_t old : order) {
+    place[old] = static_cast<std::uint32_t>(sorted.vertices.size());
+    sorted.vertices.push_back(mesh.vertices[old]);
+  }
+  sorted.triangles.reserve(mesh.triangles.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    TriangleMesh::Triangle triangle{place[a], place[b], place[c]};
+    std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
+    sorted.triangles.push_back(triangle);
+  }
+  std::sort(sorted.triangles.begin(), sorted.triangles.end());
+  return sorted;
+}
+
 // Far above what rounding leaves of a moved mesh, far below what a tree in single precision can tell apart.
 constexpr double kPlace = 0x1p-32;
 
 }  // namespace
 
-CanonicalFrame canonicalFrame(const TriangleMesh& mesh) {
+CanonicalFrame canonicalFrame(const TriangleMesh& given) {
+  const TriangleMesh mesh = sortedByPlace(given);  // sums and ties in an order that is not the file's
   const Moments moments = momentsOf(mesh, boundsOf(mesh).center());
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(moments.covariance);
   const Vector3d values = solver.eigenvalues();  // ascending
@@ -126,8 +165,15 @@ CanonicalFrame canonicalFrame(const TriangleMesh& mesh) {
     if (gap > kDistinct * values[2]) axes.push_back(solver.eigenvectors().col(k));
   }
   if (axes.size() < 2) {
-    const std::vector<Facing> candidates = facings(mesh);
-    while (axes.size() < 2) axes.push_back(dominantFacing(candidates, axes));
+    std::vector<Facing> candidates = facings(mesh, {});
+    while (axes.size() < 2) {
+      // The largest triangles of a plate all face along the axis that is known already.
+      const bool silent = std::all_of(candidates.begin(), candidates.end(), [&](const Facing& candidate) {
+        return across(candidate.direction, axes).isZero(0);
+      });
+      if (silent) candidates = facings(mesh, axes);
+      axes.push_back(dominantFacing(candidates, axes));
+    }
   }
   CanonicalFrame frame;
   frame.origin = moments.centroid;
@@ -153,7 +199,7 @@ TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame, Plac
     const Vector3d at = frame.forward(v);
     moved.vertices.push_back(places == Places::Exact ? at : Vector3d((at / kPlace).array().round() * kPlace));
   }
-  return moved;
+  return sortedByPlace(moved);
 }
 
 }  // namespace spheretree::medial

@@ -26,14 +26,16 @@ struct CanonicalFrame {
   }
 };
 
-/// The frame of a mesh with at least one triangle of positive area. O(n).
+/// The frame of a mesh with at least one triangle of positive area, to the bit the same for any order of its
+/// vertices and triangles. O(n log n).
 [[nodiscard]] CanonicalFrame canonicalFrame(const TriangleMesh& mesh);
 
 /// What becomes of the vertices: as computed, or moved to the nearest multiple of 2^-32, so that the same
 /// shape in two places or attitudes has the same bits almost always.
 enum class Places : std::uint8_t { Exact, Snapped };
 
-/// The mesh moved into the frame.
+/// The mesh moved into the frame, its vertices sorted by place and its triangles by their vertices: whatever
+/// the order they come in, what is decided by index there is decided by shape. O(n log n).
 [[nodiscard]] TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame, Places places);
 
 }  // namespace spheretree::medial

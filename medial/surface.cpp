@@ -39,6 +39,7 @@ std::string whyUnsuitable(const TriangleMesh& mesh) {
       if (!mesh.vertices[v].allFinite()) return "vertex " + std::to_string(v) + " is not finite";
     }
   }
+  if (std::string reason = whyNotMeasurable(mesh); !reason.empty()) return reason;
   if (!boundsVolume(mesh)) {
     return "the mesh is open or inconsistently oriented: some edge is not used equally often in both "
            "directions";

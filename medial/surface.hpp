@@ -31,8 +31,8 @@ struct ClosestPoint {
 class Surface {
  public:
   /// Takes the mesh over and indexes it, O(n log n). Fails with UnsuitableMesh when the mesh has no
-  /// triangle, a non-finite or out-of-range corner, an edge that is not used equally often in both
-  /// directions (open or inconsistently oriented), or no positive volume.
+  /// triangle, a non-finite or out-of-range corner, a size that whyNotMeasurable() objects to, an edge that
+  /// is not used equally often in both directions (open or inconsistently oriented), or no positive volume.
   static Result<Surface> create(TriangleMesh mesh);
 
   Surface(Surface&&) noexcept;

@@ -6,10 +6,13 @@
 #include "medial/triangle_bvh.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
+
+#include "medial/triangle_frame.hpp"
 
 // Values of four lanes pass between inlined functions only: there is no calling convention to change.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -52,6 +55,20 @@ Vector3d closestOnEdges(const Vector3d& p, const Vector3d& a, const Vector3d& b,
 // A triangle whose doubled area is below this fraction of its squared longest edge has no usable normal in
 // double precision: its edges stand for it.
 constexpr double kSliver = 1e-12;
+// Below this fraction, digits are kept with more care (triangle_frame.hpp).
+constexpr double kThin = 1e-2;
+
+Vector3d closestOnThin(const Vector3d& p, const std::array<Vector3d, 3>& corner) {
+  const TriangleFrame frame(corner);
+  const Vector3d from = p - corner[frame.first];
+  const double s = from.dot(frame.along);
+  const double t = from.dot(frame.across);
+  const bool above = t >= 0 && frame.apex * t <= frame.width * s &&
+                     (frame.length - frame.apex) * (t - frame.width) + frame.width * (s - frame.apex) <= 0;
+  if (!above || !(frame.width > kSliver * frame.length))
+    return closestOnEdges(p, corner[0], corner[1], corner[2]);
+  return corner[frame.first] + s * frame.along + t * frame.across;
+}
 
 Vector3d closestOnTriangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d ab = b - a;
@@ -72,9 +89,8 @@ Vector3d closestOnTriangle(const Vector3d& p, const Vector3d& a, const Vector3d&
   const double vb = d5 * d2 - d1 * d6;
   const double va = d3 * d6 - d5 * d4;
   const double sum = va + vb + vc;  // squared length of the normal, up to rounding
-  const double abSquared = ab.squaredNorm();
-  const double acSquared = ac.squaredNorm();
-  if (!(sum > kSliver * kSliver * abSquared * acSquared)) return closestOnEdges(p, a, b, c);
+  const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (c - b).squaredNorm()});
+  if (!(sum > kThin * kThin * longest * longest)) return closestOnThin(p, {a, b, c});
   if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + (d1 / (d1 - d3)) * ab;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + (d2 / (d2 - d6)) * ac;
   if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
@@ -296,7 +312,12 @@ struct TriangleBvh::Builder {
       }
       Vector3d normal = edge[0].cross(-edge[2]);
       const double doubledArea = normal.norm();
-      normal = doubledArea > kSliver * longest ? Vector3d(normal / doubledArea) : Vector3d::Constant(kNaN);
+      if (doubledArea > kThin * longest) {
+        normal /= doubledArea;
+      } else {
+        const bool flat = used && doubledArea > kSliver * longest;
+        normal = flat ? TriangleFrame(corner).normal() : Vector3d::Constant(kNaN);
+      }
       packet.triangle[lane] = used ? t : std::numeric_limits<std::uint32_t>::max();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         packet.normal[axis][lane] = normal[static_cast<int>(axis)];

@@ -2,9 +2,24 @@
 #include "medial/triangle_mesh.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <utility>
 
 namespace spheretree::medial {
+namespace {
+
+// The highest power of a length that is computed is the fifth, a third moment of area: 1e-300 to 1e300.
+constexpr double kLongestLength = 1e60;
+constexpr double kShortestLength = 1e-60;
+
+std::string shortNumber(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+}  // namespace
 
 Eigen::AlignedBox3d boundsOf(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
@@ -16,6 +31,18 @@ Eigen::AlignedBox3d boundsOf(const TriangleMesh& mesh) {
 
 double diagonalOf(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0.0 : boundsOf(mesh).diagonal().norm();
+}
+
+std::string whyNotMeasurable(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return {};
+  const Eigen::AlignedBox3d box = boundsOf(mesh);
+  const double reach = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  if (!(reach <= kLongestLength))
+    return "the mesh reaches out to " + shortNumber(reach) + ", too far to compute with";
+  const double size = box.sizes().maxCoeff();
+  if (size < kShortestLength)
+    return "the mesh is only " + shortNumber(size) + " long, too small to compute with";
+  return {};
 }
 
 double areaOf(const TriangleMesh& mesh) {

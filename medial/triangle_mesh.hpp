@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,6 +31,10 @@ struct TriangleMesh {
 [[nodiscard]] double diagonalOf(const TriangleMesh& mesh);
 
 [[nodiscard]] double areaOf(const TriangleMesh& mesh);
+
+/// A clause that says why areas, volumes and moments of the mesh would leave the range of doubles, because it
+/// is far too large or too small; empty when they do not. Coordinates are finite.
+[[nodiscard]] std::string whyNotMeasurable(const TriangleMesh& mesh);
 
 /// Volume by the divergence theorem: positive for a closed mesh oriented outwards. A part of space that the
 /// surface winds around twice counts twice.

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 namespace spheretree::tests {
 namespace {
@@ -82,12 +84,29 @@ pid_t ProgramTest::start(const std::string& program, const std::vector<std::stri
   return process;
 }
 
-Finished ProgramTest::finish(pid_t process) {
+Finished ProgramTest::finish(pid_t process, std::optional<std::chrono::milliseconds> limit) {
+  constexpr std::chrono::milliseconds kNap(5);  // how much later than at the limit it may be killed
+  const auto start = std::chrono::steady_clock::now();
   int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
+  struct rusage usage {};
   Finished finished;
+  while (true) {
+    const pid_t ended = ::wait4(process, &status, limit && !finished.outOfTime ? WNOHANG : 0, &usage);
+    if (ended == process || (ended < 0 && errno != EINTR)) break;
+    if (ended < 0) continue;
+    if (std::chrono::steady_clock::now() - start > *limit) {
+      finished.outOfTime = true;
+      ::kill(process, SIGKILL);
+    } else {
+      std::this_thread::sleep_for(kNap);
+    }
+  }
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
   finished.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  finished.cpuSeconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  finished.peakMegabytes = 1.024e-3 * static_cast<double>(usage.ru_maxrss);  // the system counts in KiB
   finished.out = contentOf(capture_ / "out");
   finished.err = contentOf(capture_ / "err");
   return finished;
@@ -119,7 +138,8 @@ std::vector<std::string> ProgramTest::names() const {
 }
 
 std::string programPath() {
-  return SPHERETREE_PROGRAM;
+  const char* const other = std::getenv("SPHERETREE_TESTED_PROGRAM");
+  return other != nullptr ? other : SPHERETREE_PROGRAM;
 }
 
 std::string boxObj(double x, double y, double z) {

@@ -3,7 +3,9 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,9 @@ struct Finished {
   int exitCode = -1;  ///< -1: it died of a signal
   std::string out;
   std::string err;
+  bool outOfTime = false;    ///< it was killed because it took too long
+  double cpuSeconds = 0;     ///< of all its threads, in user and in kernel mode
+  double peakMegabytes = 0;  ///< of resident memory, in units of 1e6 bytes
 };
 
 /// Runs the program in a fresh folder of its own, which goes away with the test.
@@ -27,11 +32,11 @@ class ProgramTest : public ::testing::Test {
   /// Starts the program and waits for it. Relative names are relative to the folder, or to `where` in it.
   Finished run(const std::vector<std::string>& arguments, const std::string& where = ".");
 
-  /// Starts any program; `finish` waits for it. Standard output goes to a file outside the folder unless
-  /// `output` names another one.
+  /// Starts any program; `finish` waits for it, or kills it when that takes longer than `limit`. Standard
+  /// output goes to a file outside the folder unless `output` names another one.
   pid_t start(const std::string& program, const std::vector<std::string>& arguments,
               const std::string& where = ".", const std::string& output = {});
-  Finished finish(pid_t process);
+  Finished finish(pid_t process, std::optional<std::chrono::milliseconds> limit = std::nullopt);
 
   void write(const std::string& name, const std::string& text) const;
   [[nodiscard]] std::string read(const std::string& name) const;
@@ -45,7 +50,7 @@ class ProgramTest : public ::testing::Test {
   std::filesystem::path capture_;
 };
 
-/// The program under test.
+/// The program under test: the one of this build, or the one that SPHERETREE_TESTED_PROGRAM names.
 [[nodiscard]] std::string programPath();
 
 /// A closed box of 12 triangles with side 1 around `center`.

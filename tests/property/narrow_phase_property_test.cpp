@@ -12,7 +12,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
 #include <list>
 #include <memory>
@@ -24,6 +23,7 @@
 
 #include "builders/build_tree.hpp"
 #include "tests/support/solids.hpp"
+#include "tests/support/tally.hpp"
 #include "tests/support/trees.hpp"
 
 namespace spheretree {
@@ -226,8 +226,7 @@ void checkPose(const Subject& a, const Subject& b, medial::Random& random, Tally
 }
 
 std::size_t wantedPoses() {
-  const char* text = std::getenv("SPHERETREE_POSES");  // NOLINT(concurrency-mt-unsafe)
-  return text == nullptr ? kDefaultPoses : std::strtoul(text, nullptr, 10);
+  return test::countFrom("SPHERETREE_POSES", kDefaultPoses);
 }
 
 TEST(NarrowPhaseProperty, NeverMissesAndKeepsItsBound) {
@@ -256,6 +255,10 @@ TEST(NarrowPhaseProperty, NeverMissesAndKeepsItsBound) {
   RecordProperty("poses", std::to_string(each * pairs));
   RecordProperty("meets", std::to_string(tally.meets));
   RecordProperty("false_hits", std::to_string(tally.falseHits));
+  test::publish({"runtime queries and distance bounds", "exact triangle tests and distances of meshes", kSeed,
+                 pairs, each * pairs, HasFailure() ? 1U : 0U,
+                 std::to_string(tally.meets) + " poses meet; " + std::to_string(tally.disjoint) +
+                     " are proved disjoint"});
   // All three outcomes must have been tried.
   EXPECT_GT(tally.meets, each * pairs / 10);
   EXPECT_GT(tally.disjoint, each * pairs / 20);

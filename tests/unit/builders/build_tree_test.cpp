@@ -131,6 +131,34 @@ TEST(BuildTree, TheRootOfABoxOverhangsAtItsLargestFace) {
   EXPECT_NEAR(built->report.levels[0].metrics.overhangWorst.upper, expected, 1e-4);
 }
 
+TEST(BuildTree, RefusesWhatFloatsCannotHold) {
+  const auto built = [](double size, double offset) {
+    medial::TriangleMesh mesh = models::makeLBlock();
+    for (Vector3d& v : mesh.vertices) v = size * v + Vector3d(0, offset, 0);
+    return buildTree(surfaceOf(mesh), test::quickSettings("octree", 2), medial::Context(1));
+  };
+  for (const auto& [size, offset] : {std::pair{1e39, 0.0}, {3e38, 1e38}, {1.0, 1e9}, {1e-44, 0.0}}) {
+    const Result<BuildResult> result = built(size, offset);
+    ASSERT_FALSE(result.ok()) << size << " at " << offset;
+    EXPECT_EQ(result.error().code, ErrorCode::UnsuitableMesh);
+    EXPECT_NE(result.error().message.find("single precision"), std::string::npos) << result.error().message;
+  }
+  for (const auto& [size, offset] : {std::pair{1e37, 0.0}, {1.0, 1e6}, {1e-42, 0.0}}) {
+    const Result<BuildResult> result = built(size, offset);
+    ASSERT_TRUE(result.ok()) << result.error().message;
+    EXPECT_TRUE(result->report.surfaceChains.certified);
+  }
+}
+
+TEST(BuildTree, SaysHowFinelyFloatsPlaceTheBalls) {
+  medial::TriangleMesh mesh = models::makeBox({2, 3, 6});  // diagonal 7
+  for (Vector3d& v : mesh.vertices) v.x() += (1 << 20);
+  const Result<BuildResult> result =
+      buildTree(surfaceOf(mesh), test::quickSettings("octree", 2), medial::Context(1));
+  ASSERT_TRUE(result.ok()) << result.error().message;
+  EXPECT_DOUBLE_EQ(result->report.coordinateStep, 0.125 / 7);  // 24 bits from 2^20 down
+}
+
 TEST(BuildTree, RefusesImpossibleSettings) {
   const medial::Surface box = surfaceOf(models::makeBox({1, 1, 1}));
   const auto reason = [&](auto change) {

@@ -9,8 +9,11 @@
 #include <thread>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "medial/random.hpp"
 #include "models/shapes.hpp"
+#include "tests/support/naive.hpp"
 
 namespace spheretree::medial {
 namespace {
@@ -28,41 +31,6 @@ Vector3d randomIn(Random& random, const Eigen::AlignedBox3d& box, double margin)
   Vector3d p;
   for (int k = 0; k < 3; ++k) p[k] = random.uniform(box.min()[k] - grow[k], box.max()[k] + grow[k]);
   return p;
-}
-
-double segmentDistance(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
-  const Vector3d d = b - a;
-  const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-  return (p - a - t * d).norm();
-}
-
-double triangleDistance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const double edges =
-      std::min({segmentDistance(p, a, b), segmentDistance(p, b, c), segmentDistance(p, c, a)});
-  Vector3d n = (b - a).cross(c - a);
-  if (n.isZero()) return edges;
-  n.normalize();
-  const Vector3d foot = p - (p - a).dot(n) * n;
-  const bool inside = (b - a).cross(foot - a).dot(n) >= 0 && (c - b).cross(foot - b).dot(n) >= 0 &&
-                      (a - c).cross(foot - c).dot(n) >= 0;
-  return inside ? std::abs((p - a).dot(n)) : edges;
-}
-
-/// Winding number by solid angles (Van Oosterom, Strackee 1983).
-double windingBySolidAngle(const TriangleMesh& mesh, const Vector3d& p) {
-  double sum = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vector3d a = mesh.corner(t, 0) - p;
-    const Vector3d b = mesh.corner(t, 1) - p;
-    const Vector3d c = mesh.corner(t, 2) - p;
-    const double la = a.norm();
-    const double lb = b.norm();
-    const double lc = c.norm();
-    const double numerator = a.dot(b.cross(c));
-    const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    sum += std::atan2(numerator, denominator);
-  }
-  return sum / (2 * 3.14159265358979323846);
 }
 
 TEST(Surface, BoxDistancesAreKnown) {
@@ -96,16 +64,12 @@ TEST(Surface, AgreesWithBruteForce) {
     const TriangleMesh& mesh = surface.mesh();
     for (int i = 0; i < 60; ++i) {
       const Vector3d p = randomIn(random, surface.bounds(), 0.3);
-      double expected = std::numeric_limits<double>::infinity();
-      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        expected =
-            std::min(expected, triangleDistance(p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)));
-      }
+      const double expected = test::naive::distance(p, mesh);
       const ClosestPoint closest = surface.closestPoint(p);
       ASSERT_NEAR(closest.distance, expected, 1e-12 * surface.diagonal())
           << model.name << " at " << p.transpose();
       ASSERT_NEAR((closest.point - p).norm(), closest.distance, 1e-15);
-      const double winding = windingBySolidAngle(mesh, p);
+      const double winding = test::naive::windingNumber(mesh, p);
       ASSERT_EQ(surface.inside(p), std::lround(winding) > 0) << model.name << " at " << p.transpose();
     }
   }
@@ -143,6 +107,26 @@ TEST(Surface, CavitiesAreOutsideAndOverlapsInside) {
   two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
   const Surface nested = surfaceOf(std::move(two));
   EXPECT_TRUE(nested.inside(Vector3d::Zero())) << "wound around twice is still inside";
+}
+
+TEST(Surface, ThinBoxesKeepTheirDistances) {
+  // Inside a box the distance is that to the nearest of six planes, however thin the triangles are.
+  for (const double thin : {1e-1, 1e-3, 1e-5, 1e-7}) {
+    SCOPED_TRACE(testing::Message() << "1 : " << thin);
+    Random random(3);
+    for (const Vector3d& size : {Vector3d(1, thin, thin), Vector3d(1, 0.7, thin)}) {
+      TriangleMesh mesh = models::makeBox(size);
+      const Eigen::AngleAxisd turn(1.234, Vector3d(3, -1, 2).normalized());
+      for (Vector3d& v : mesh.vertices) v = turn * v;
+      const Surface box = surfaceOf(std::move(mesh));
+      for (int i = 0; i < 200; ++i) {
+        const Vector3d p = size.cwiseProduct(
+            Vector3d(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)));
+        const double expected = (size / 2 - p.cwiseAbs()).minCoeff();
+        EXPECT_NEAR(box.closestPoint(turn * p).distance, expected, 1e-15) << p.transpose();
+      }
+    }
+  }
 }
 
 TEST(Surface, NeedleTrianglesKeepTheirDistance) {
