@@ -6,6 +6,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <spheretree/aabb.hpp>
@@ -46,7 +47,7 @@ struct RoomSettings {
   spheretree::Vec3 size{100, 25, 100};  ///< of the room; at least 8 along each axis, at most 10^4
 
   spheretree::BroadPhaseKind broadPhase = spheretree::BroadPhaseKind::Sweep;
-  /// Of the two engines with a grid; all zero chooses by the scene.
+  /// Of the two engines with a grid; zeros choose by the scene; at most 256 along each axis.
   spheretree::GridResolution grid = spheretree::kPaperGrid;
   spheretree::NarrowPhase narrow = spheretree::NarrowPhase::Shapes;
   BoxShape boxShape = BoxShape::Tree;
@@ -167,12 +168,6 @@ class Room {
     spheretree::Vec3 low;
     spheretree::Vec3 high;
   };
-  /// An object as it was drawn: place as share of the room, velocity as share of the speed.
-  struct Draw {
-    spheretree::Vec3 place;
-    spheretree::Vec3 velocity;
-  };
-  /// An object as it moves.
   struct State {
     spheretree::Vec3 place;
     spheretree::Vec3 velocity;
@@ -181,12 +176,13 @@ class Room {
   Room(const RoomSettings& settings, const TreeLibrary& library);
 
   void drawObjects();
-  [[nodiscard]] std::vector<State> currentStates() const;
-  void rebuild(std::span<const State> states);
-  [[nodiscard]] spheretree::Vec3 drawnVelocity(std::uint32_t object) const noexcept;
+  [[nodiscard]] spheretree::Vec3 ownVelocity(std::uint32_t object) const noexcept;
+  [[nodiscard]] State stateOf(std::uint32_t body, std::uint32_t bodiesKept) const noexcept;
+  void rebuild(std::uint32_t bodiesKept);
   void steer(const StickInput& input) noexcept;
-  void respond() noexcept;
-  void respondTo(std::span<const spheretree::Contact> ofPair) noexcept;
+  void respond();
+  void respondTo(const spheretree::BodyPair& pair, spheretree::Vec3 normal) noexcept;
+  void hitAvatar(const spheretree::Contact& contact, spheretree::Vec3 normal);
   void turnAtWalls() noexcept;
 
   RoomSettings settings_;
@@ -194,10 +190,11 @@ class Room {
   const UnitTree* bunny_ = nullptr;
   const UnitTree* boxTree_ = nullptr;
   std::mt19937 random_;
-  std::vector<Draw> draws_;  // of all objects that there have been; grows only
+  std::vector<State> draws_;  // of all objects that there have been, in shares of the room and of the speed
   std::vector<ObjectKind> kinds_;
   std::array<Range, 3> ranges_{};  // by kind
   spheretree::CollisionWorld world_;
+  std::vector<spheretree::Vec3> pushes_;  // normals of the avatar's contacts, from it to the others
   std::vector<Impact> impacts_;
   ConsumedInput consumed_;
   StepReport report_;

@@ -54,6 +54,10 @@ class TreeLibrary {
   [[nodiscard]] const UnitTree& usual(TreeUse use) const noexcept;
 
  private:
+  TreeLibrary() = default;
+  /// Where a tree of that name is or belongs.
+  [[nodiscard]] std::vector<UnitTree>::iterator placeOf(std::string_view name);
+
   std::vector<UnitTree> trees_;  // never empty; ordered by name
 };
 
