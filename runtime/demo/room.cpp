@@ -276,7 +276,7 @@ void Room::rebuild(std::uint32_t bodiesKept) {
       world_.addTree(tree, pose, states[body].velocity);
     }
   }
-  pushes_.clear();
+  if (bodiesKept == 0) pushes_.clear();
   impacts_.clear();
   report_ = {};
   turnAtWalls();

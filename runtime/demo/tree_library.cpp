@@ -35,6 +35,8 @@ constexpr std::string_view kBoxPrefix = "box";
 constexpr std::string_view kBuiltIn = "box-built-in";
 /// Balls of useful trees reach less than an object's size beyond it; the room counts on it.
 constexpr float kLargestSize = 4;
+/// Of the distance from the origin: where single precision ends, there is nothing left to scale.
+constexpr float kNoSize = 0x1p-18F;
 /// Added to radii of unit size: several times what scaling a ball can lose.
 constexpr float kRounding = 0x1p-20F;
 
@@ -65,7 +67,7 @@ Result<UnitTree> unitTree(const std::string& name, const SphFile& file) {
   if (!raw) return raw.error();
   const Vec3 center = 0.5F * (raw->bounds().min + raw->bounds().max);
   const float scale = unitScale(file, raw->bounds());
-  if (!std::isfinite(scale) || scale <= 0)
+  if (!std::isfinite(scale) || scale * kNoSize * raw->extent() > 1)
     return Error{ErrorCode::InvalidArgument, "the tree has no size that could be scaled to 1"};
   std::vector<SphereTree::Entry> entries;
   for (const spheretree::Node& node : file.tree.nodes())
