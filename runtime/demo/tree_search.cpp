@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "tree_search.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace crowded_room {
+
+using spheretree::Result;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool holdsTrees(const fs::path& folder) {
+  std::error_code ignored;  // a folder that cannot be listed has no trees for us
+  for (fs::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
+    if (it->path().extension() == ".sph") return true;
+  }
+  return false;
+}
+
+/// The folder of the running program; empty where the system does not tell.
+fs::path programFolder() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).parent_path();
+}
+
+}  // namespace
+
+std::vector<fs::path> treeFolders() {
+  std::vector<fs::path> folders{fs::path("build") / "run"};
+  const fs::path home = programFolder();
+  if (!home.empty()) {
+    folders.push_back((home / "../../../run").lexically_normal());  // from build/release/runtime/demo
+    folders.push_back((home / "../share/spheretree/trees").lexically_normal());
+  }
+  return folders;
+}
+
+Result<FoundTrees> findTrees(const fs::path& folder) {
+  const std::vector<fs::path> folders = folder.empty() ? treeFolders() : std::vector{folder};
+  const auto found = std::find_if(folders.begin(), folders.end(), holdsTrees);
+  if (folder.empty() && found == folders.end()) {
+    return FoundTrees{TreeLibrary::builtIn(),
+                      "no sphere trees in ./build/run, so there are boxes only; `./bootstrap run` makes the bunny's, "
+                      "--trees DIR names another folder"};
+  }
+  Result<TreeLibrary> library = TreeLibrary::load(folder.empty() ? *found : folder);
+  if (!library) return library.error();
+  return FoundTrees{std::move(*library), {}};
+}
+
+}  // namespace crowded_room
