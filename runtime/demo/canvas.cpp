@@ -17,7 +17,8 @@ Result<Canvas::Target> Canvas::makeTarget(PixelSize size) {
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   const std::string wanted = std::to_string(size.width) + " x " + std::to_string(size.height);
   if (std::max(size.width, size.height) > largest) {
-    return Error{ErrorCode::InvalidArgument, "a picture of " + wanted + " samples is too large for this driver, " +
+    return Error{ErrorCode::InvalidArgument, "a picture of " + wanted +
+                                                 " samples is too large for this driver, " +
                                                  std::to_string(largest) + " is its limit"};
   }
   Target target{makeRenderbuffer(), makeRenderbuffer(), makeFramebuffer(), size};

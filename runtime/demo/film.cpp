@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 #include <system_error>
 #include <utility>
 
 #include "gl.hpp"
 #include "png.hpp"
+#include "stick_view.hpp"
 
 namespace crowded_room {
 
@@ -41,13 +44,28 @@ Camera cameraAt(Viewpoint view, const Room& room) {
     return camera;
   }
   const Vec3 size = room.settings().size;
-  constexpr float kBack = 1.28F;  // room lengths from which a wide picture holds it
+  constexpr float kBack = 1.52F;  // room lengths from which a wide picture holds it
   camera.setAngles(0.62F, 0.50F);
   camera.setDistance(kBack * std::max(size.x, size.z));
-  camera.follow({0.5F * size.x, 0.22F * size.y, 0.5F * size.z});
+  camera.follow({0.5F * size.x, 0.1F * size.y, 0.5F * size.z});
   camera.setSlope(0.36F);
   return camera;
 }
+
+StickInput tour(const Room& room) {
+  constexpr float kRound = 9;    // seconds
+  constexpr float kRise = 4;     // seconds
+  constexpr float kFirm = 0.8F;  // tilt
+  const float seconds = static_cast<float>(room.stepsMade()) / kFrameRate;
+  const float turn = 2 * std::numbers::pi_v<float> * seconds / kRound;
+  const float height = 2 * std::numbers::pi_v<float> * seconds / kRise;
+  StickInput input;
+  input.stick = {kFirm * std::cos(turn), 0.3F * std::sin(height), -kFirm * std::sin(turn)};
+  return input;
+}
+
+Film::Film(const Options& options)
+    : options_(options), last_(options.frames.value_or(Options::kHeadlessFrames) - 1) {}
 
 Film::~Film() = default;
 
@@ -62,14 +80,24 @@ Result<std::unique_ptr<Film>> Film::create(const Options& options) {
   Result<Stage> stage = Stage::create();
   if (!stage) return stage.error();
   film->stage_ = std::move(*stage);
+  if (options.panel) film->overlay_.emplace();
   return film;
 }
 
+void Film::drawPanel(const Room& room, const Camera& camera) {
+  overlay_->begin(options_.size);
+  panel_.draw(room, options_.stage, options_.view, history_, "a run without a window");
+  const Vec3 tilt = camera.toStick(room.consumed().input.stick);
+  drawStick({tilt, tilt, Hand::Joystick, touch_.kick(), {}, touch_.hits()}, options_.size);
+  overlay_->end();
+}
+
 Result<Done> Film::draw(const Room& room) {
-  const Result<Done> drawn = stage_->draw(room, cameraAt(options_.view, room), options_.stage, canvas_->fine(),
-                                          canvas_->fineSize());
+  const Camera camera = cameraAt(options_.view, room);
+  const Result<Done> drawn = stage_->draw(room, camera, options_.stage, canvas_->fine(), canvas_->fineSize());
   if (!drawn) return drawn;
   canvas_->average();
+  if (overlay_) drawPanel(room, camera);
   glFinish();
   return Done{};
 }
@@ -78,11 +106,11 @@ Result<Done> Film::write(std::uint32_t frame) {
   if (!options_.record.empty() && frame % options_.every == 0) {
     std::error_code ignored;  // writing says what is wrong
     fs::create_directories(options_.record, ignored);
-    const Result<Done> written = writePng(options_.record / numbered(frame / options_.every), canvas_->read());
+    const Result<Done> written =
+        writePng(options_.record / numbered(frame / options_.every), canvas_->read());
     if (!written) return written;
   }
-  if (!options_.screenshot.empty() && frame + 1 == options_.frames)
-    return writePng(options_.screenshot, canvas_->read());
+  if (!options_.screenshot.empty() && frame == last_) return writePng(options_.screenshot, canvas_->read());
   return Done{};
 }
 
@@ -91,7 +119,8 @@ float Film::take(const Room& room) {
   const std::uint32_t frame = frame_++;
   if (problem_) return 0;
   stage_->noteContacts(room);
-  const bool last = frame + 1 == options_.frames && !options_.screenshot.empty();
+  touch_.feel(room, cameraAt(options_.view, room));
+  const bool last = frame == last_ && !options_.screenshot.empty();
   const bool recorded = !options_.record.empty() && frame % options_.every == 0;
   if (!options_.render && !last && !recorded) return 0;
   const auto start = Clock::now();
@@ -99,6 +128,8 @@ float Film::take(const Room& room) {
   const float took = std::chrono::duration<float, std::micro>(Clock::now() - start).count();
   if (result) result = write(frame);
   if (!result) problem_ = result.error();
+  const spheretree::StepTimes& times = room.report().collision;
+  history_.add({times.update, times.broad, times.narrow, took});
   return took;
 }
 

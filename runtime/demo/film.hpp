@@ -10,10 +10,14 @@
 
 #include "camera.hpp"
 #include "canvas.hpp"
+#include "history.hpp"
 #include "offscreen.hpp"
 #include "options.hpp"
+#include "overlay.hpp"
+#include "panel.hpp"
 #include "room.hpp"
 #include "stage.hpp"
+#include "touch.hpp"
 
 namespace crowded_room {
 
@@ -27,27 +31,38 @@ class Film {
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// After each step: draws when the options ask for this frame and writes its picture. Returns the microseconds that
-  /// drawing took, to the last pixel, without the writing. The first failure is kept, see problem().
+  /// After each step: draws when the options ask for this frame and writes its picture. Returns the
+  /// microseconds that drawing took, to the last pixel, without the writing. The first failure is kept, see
+  /// problem().
   float take(const Room& room);
 
   [[nodiscard]] const std::optional<spheretree::Error>& problem() const noexcept { return problem_; }
 
  private:
-  explicit Film(const Options& options) : options_(options) {}
+  explicit Film(const Options& options);
   spheretree::Result<spheretree::Done> draw(const Room& room);
   spheretree::Result<spheretree::Done> write(std::uint32_t frame);
 
+  void drawPanel(const Room& room, const Camera& camera);
+
   Options options_;
+  std::uint32_t last_;
   // In this order: what lives in the context goes before it does.
   std::optional<Offscreen> context_;
   std::optional<Canvas> canvas_;
   std::optional<Stage> stage_;
+  std::optional<Overlay> overlay_;
+  Panel panel_;
+  History history_;
+  Touch touch_;
   std::uint32_t frame_ = 0;
   std::optional<spheretree::Error> problem_;
 };
 
 /// The camera of a viewpoint for a picture of that shape.
 [[nodiscard]] Camera cameraAt(Viewpoint view, const Room& room);
+
+/// A stick that flies the avatar around the middle of the room.
+[[nodiscard]] StickInput tour(const Room& room);
 
 }  // namespace crowded_room

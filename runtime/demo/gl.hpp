@@ -74,9 +74,11 @@ template <class T>
 }
 
 /// Compiles and links. Fails with Internal and the driver's log.
-spheretree::Result<GlProgram> makeProgram(std::string_view name, std::string_view vertex, std::string_view fragment);
+spheretree::Result<GlProgram> makeProgram(std::string_view name, std::string_view vertex,
+                                          std::string_view fragment);
 
-/// Sets a sampler or another whole number of the current program; nothing when the program has none of that name.
+/// Sets a sampler or another whole number of the current program; nothing when the program has none of that
+/// name.
 void setUniform(const GlProgram& program, const char* name, GLint value);
 
 /// What glVertexAttribPointer wants for a place in a buffer.

@@ -96,7 +96,7 @@ class JsonObject {
   void add(std::string_view name, const std::string& value) {
     text_ += (text_.empty() ? "\n" : ",\n") + indent_ + inQuotes(name) + ": " + value;
   }
-  [[nodiscard]] std::string text() const { return "{" + text_ + "\n" + indent_.substr(2) + "}"; }
+  [[nodiscard]] std::string text() const { return std::string("{") + text_ + "\n" + indent_.substr(2) + "}"; }
 
  private:
   std::string indent_;
@@ -104,19 +104,19 @@ class JsonObject {
 };
 
 std::string json(const PhaseSummary& phase) {
-  return "{\"mean\": " + number(phase.mean) + ", \"median\": " + number(phase.median) +
+  return std::string("{\"mean\": ") + number(phase.mean) + ", \"median\": " + number(phase.median) +
          ", \"p99\": " + number(phase.p99) + "}";
 }
 
 std::string jsonVector(std::array<double, 3> vector) {
-  return "[" + number(vector[0]) + ", " + number(vector[1]) + ", " + number(vector[2]) + "]";
+  return std::string("[") + number(vector[0]) + ", " + number(vector[1]) + ", " + number(vector[2]) + "]";
 }
 
 /// Absent budgets are null.
 std::string json(const spheretree::QueryLimits& budget) {
   const bool tests = budget.sphereTests != spheretree::QueryLimits::kUnlimited;
   const bool time = budget.microseconds < std::numeric_limits<float>::infinity();
-  return "{\"sphere_tests\": " + (tests ? std::to_string(budget.sphereTests) : "null") +
+  return std::string("{\"sphere_tests\": ") + (tests ? std::to_string(budget.sphereTests) : "null") +
          ", \"microseconds\": " + (time ? number(static_cast<double>(budget.microseconds)) : "null") + "}";
 }
 
@@ -209,7 +209,8 @@ Result<HeadlessReport> runHeadless(const HeadlessSettings& settings, const TreeL
   std::uint64_t pairs = 0;
   std::uint64_t contacts = 0;
   for (std::uint64_t frame = 0; frame < std::uint64_t{settings.warmUp} + settings.frames; ++frame) {
-    if (const Result<Done> stepped = room->step(); !stepped) return stepped.error();
+    const StickInput input = settings.stick ? settings.stick(*room) : StickInput{};
+    if (const Result<Done> stepped = room->step(input); !stepped) return stepped.error();
     if (frame < settings.warmUp) continue;
     recording.add(room->report());
     pairs += room->report().pairs;

@@ -18,6 +18,8 @@ struct HeadlessSettings {
   RoomSettings room;
   std::uint32_t frames = 500;  ///< that are measured; at least 1
   std::uint32_t warmUp = 60;   ///< before them, not measured
+  /// Called before every step: how the avatar is flown. Without it the stick rests.
+  std::function<StickInput(const Room&)> stick;
   /// Called after every measured frame, for a program that renders them: returns the microseconds that
   /// rendering took. Without it the report has no rendering.
   std::function<float(const Room&)> render;
@@ -45,7 +47,7 @@ struct HeadlessReport {
   double contactsPerFrame = 0;
   std::uint64_t stateHash = 0;  ///< after the last frame
   Audit audit;                  ///< after the last frame
-  std::uint64_t impacts = 0;    ///< of the avatar, whose stick rests
+  std::uint64_t impacts = 0;    ///< of the avatar
 
   /// Frames per second if there were nothing but collisions: 1 / mean, as the paper counts, or 1 / median.
   [[nodiscard]] double fpsOfMean() const noexcept { return 1e6 / collision.mean; }
@@ -57,7 +59,7 @@ struct HeadlessReport {
 /// The level of satisfaction that the paper's Table 1 gives to a frame rate: low, good, very good, high.
 [[nodiscard]] std::string_view satisfactionAt(double fps) noexcept;
 
-/// Runs a room with a resting stick. Fails as Room::create() and Room::step() do, or with InvalidArgument
+/// Runs a room. Fails as Room::create() and Room::step() do, or with InvalidArgument
 /// when there is no frame to measure.
 spheretree::Result<HeadlessReport> runHeadless(const HeadlessSettings& settings, const TreeLibrary& library);
 

@@ -11,6 +11,7 @@
 #include "headless.hpp"
 #include "options.hpp"
 #include "tree_search.hpp"
+#include "window.hpp"
 
 namespace {
 
@@ -40,19 +41,22 @@ int failWith(const Error& error) {
 }
 
 void print(const HeadlessReport& report) {
-  std::printf("%u objects, %u frames, %s: %.0f microseconds of collision a frame (update %.0f, broad %.0f, narrow "
-              "%.0f), %.0f fps: %s\n",
-              report.room.objects, report.frames, std::string(nameOf(report.room.broadPhase)).c_str(),
-              report.collision.mean, report.update.mean, report.broad.mean, report.narrow.mean, report.fpsOfMean(),
-              std::string(satisfactionAt(report.fpsOfMean())).c_str());
+  std::printf(
+      "%u objects, %u frames, %s: %.0f microseconds of collision a frame (update %.0f, broad %.0f, narrow "
+      "%.0f), %.0f fps: %s\n",
+      report.room.objects, report.frames, std::string(nameOf(report.room.broadPhase)).c_str(),
+      report.collision.mean, report.update.mean, report.broad.mean, report.narrow.mean, report.fpsOfMean(),
+      std::string(satisfactionAt(report.fpsOfMean())).c_str());
   if (report.render)
-    std::printf("rendering: %.1f ms a frame, %.1f fps with it\n", report.render->mean / 1000, *report.fpsRendered());
+    std::printf("rendering: %.1f ms a frame, %.1f fps with it\n", report.render->mean / 1000,
+                *report.fpsRendered());
 }
 
 Result<Done> runWithoutWindow(const Options& options, const TreeLibrary& library) {
   HeadlessSettings settings;
   settings.room = options.room;
-  settings.frames = options.frames;
+  settings.frames = options.frames.value_or(Options::kHeadlessFrames);
+  if (options.tour) settings.stick = tour;
   std::unique_ptr<Film> film;
   if (options.render || !options.screenshot.empty() || !options.record.empty()) {
     Result<std::unique_ptr<Film>> made = Film::create(options);
@@ -73,7 +77,8 @@ Result<Done> run(const Options& options) {
   const Result<FoundTrees> trees = findTrees(options.trees);
   if (!trees) return trees.error();
   if (!trees->remark.empty()) std::fprintf(stderr, "crowded_room: %s\n", trees->remark.c_str());
-  return runWithoutWindow(options, trees->library);
+  if (options.mode == Mode::Headless) return runWithoutWindow(options, trees->library);
+  return runWindow(options, trees->library);
 }
 
 }  // namespace

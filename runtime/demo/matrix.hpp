@@ -34,12 +34,13 @@ struct Matrix {
 }
 
 /// World to eye coordinates: the eye looks along -z, y is up.
-[[nodiscard]] inline Matrix lookAt(spheretree::Vec3 eye, spheretree::Vec3 target, spheretree::Vec3 up) noexcept {
+[[nodiscard]] inline Matrix lookAt(spheretree::Vec3 eye, spheretree::Vec3 target,
+                                   spheretree::Vec3 up) noexcept {
   const spheretree::Vec3 back = unit(eye - target);
   const spheretree::Vec3 right = unit(cross(up, back));
   const spheretree::Vec3 top = cross(back, right);
-  return {{right.x, top.x, back.x, 0, right.y, top.y, back.y, 0, right.z, top.z, back.z, 0,
-           -dot(right, eye), -dot(top, eye), -dot(back, eye), 1}};
+  return {{right.x, top.x, back.x, 0, right.y, top.y, back.y, 0, right.z, top.z, back.z, 0, -dot(right, eye),
+           -dot(top, eye), -dot(back, eye), 1}};
 }
 
 /// Depths to draw between, both positive.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// One table row per option: name, what it takes, what it is for, what it does. The help is printed from the same
-// table. Numbers are read by from_chars to the last character; ranges of the room's settings are the room's to check.
+// One table row per option: name, what it takes, what it is for, what it does. The help is printed from the
+// same table. Numbers are read by from_chars to the last character; ranges of the room's settings are the
+// room's to check.
 #include "options.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <concepts>
@@ -118,7 +120,7 @@ constexpr std::array<Named<Canvas::Fineness>, 3> kFineness{
 using Word = std::string_view;
 
 // A lambda a row; each converts to Take.
-constexpr std::array<Row, 30> kRows{{
+constexpr std::array<Row, 31> kRows{{
     {"--objects", "N", "objects in the room [1000]",
      [](Options& o, Word w) { return takeCount(o.room.objects, w); }},
     {"--mix", "SHARE", "share of bunnies, the others are boxes, 0 to 1 [0.5]",
@@ -129,7 +131,8 @@ constexpr std::array<Row, 30> kRows{{
      [](Options& o, Word w) { return takeReal(o.room.speed, w); }},
     {"--seed", "N", "of places and directions [1]",
      [](Options& o, Word w) { return takeCount(o.room.seed, w); }},
-    {"--broad", "NAME", "brute_force, grid, octree, sweep_and_prune, grid_sweep or sweep [sweep]", takeBroadPhase},
+    {"--broad", "NAME", "brute_force, grid, octree, sweep_and_prune, grid_sweep or sweep [sweep]",
+     takeBroadPhase},
     {"--narrow", "shapes|boxes", "sphere trees, or the broad phase alone [shapes]",
      [](Options& o, Word w) { return takeNamed(o.room.narrow, w, kNarrow); }},
     {"--levels", "N", "of the sphere trees that collide and are drawn; the root counts [3]",
@@ -158,7 +161,8 @@ constexpr std::array<Row, 30> kRows{{
      [](Options& o, Word w) { return takeNamed(o.stage.look, w, kLooks); }},
     {"--paint", "object|level|overhang", "what colours the balls [level]",
      [](Options& o, Word w) { return takeNamed(o.stage.paint, w, kPaints); }},
-    {"--shadows", "on|off", "[on]", [](Options& o, Word w) { return takeNamed(o.stage.shadows, w, kShadows); }},
+    {"--shadows", "on|off", "[on]",
+     [](Options& o, Word w) { return takeNamed(o.stage.shadows, w, kShadows); }},
     {"--view", "avatar|room", "from behind the avatar, or the whole room [avatar]",
      [](Options& o, Word w) { return takeNamed(o.view, w, kViews); }},
     {"--size", "WxH", "of the window or the picture [1280x800]", takeSize},
@@ -167,8 +171,8 @@ constexpr std::array<Row, 30> kRows{{
        o.mode = Mode::Headless;
        return std::string{};
      }},
-    {"--frames", "N", "steps of a run without a window [500]",
-     [](Options& o, Word w) { return takeFromOne(o.frames, w); }},
+    {"--frames", "N", "steps after which the run ends [500 without a window]",
+     [](Options& o, Word w) { return takeFromOne(o.frames.emplace(), w); }},
     {"--report", "FILE", "write what the run measured, as JSON; implies --headless",
      [](Options& o, Word w) {
        o.mode = Mode::Headless;
@@ -197,6 +201,11 @@ constexpr std::array<Row, 30> kRows{{
     {"--panel", "", "show the panel and the stick in pictures, too",
      [](Options& o, Word) {
        o.panel = true;
+       return std::string{};
+     }},
+    {"--tour", "", "let the avatar fly by itself in a run without a window",
+     [](Options& o, Word) {
+       o.tour = true;
        return std::string{};
      }},
     {"--version", "", "print the version",
@@ -259,7 +268,8 @@ Result<Options> parseOptions(std::span<const char* const> words) {
 std::string helpText() {
   std::string text =
       "Usage: crowded_room [OPTION...]\n\n"
-      "The crowded room: boxes and bunnies that collide by their sphere trees, and an avatar that you fly with a\n"
+      "The crowded room: boxes and bunnies that collide by their sphere trees, and an avatar that you fly "
+      "with a\n"
       "joystick, the keyboard or the mouse.\n\n";
   constexpr std::size_t kColumn = 30;
   for (const Row& row : kRows) {
@@ -269,8 +279,10 @@ std::string helpText() {
     text += line + std::string(row.help) + "\n";
   }
   text +=
-      "\nIn the window: W A S D and the arrow keys or the left mouse button on the drawn stick fly, Q and E sink and\n"
-      "rise, the right mouse button turns the view, the wheel zooms, space pauses, N makes one step, M switches\n"
+      "\nIn the window: W A S D and the arrow keys or the left mouse button on the drawn stick fly, Q and E "
+      "sink and\n"
+      "rise, the right mouse button turns the view, the wheel zooms, space pauses, N makes one step, M "
+      "switches\n"
       "between meshes and balls, 1 to 9 choose the level, C the view, H hides the panel, Esc ends.\n\n"
       "Exit codes: 0 done, 1 our fault, 2 usage, 3 input cannot be read, 6 output cannot be written.\n";
   return text;

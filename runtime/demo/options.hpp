@@ -34,13 +34,16 @@ struct Options {
   PixelSize size{1280, 800};
   Canvas::Fineness fineness = Canvas::Fineness::Two;
 
-  std::uint32_t frames = 500;  ///< of a run without a window
+  std::optional<std::uint32_t> frames;  ///< after which a run ends; a window's otherwise never
+  /// Of a run without a window that was not told.
+  static constexpr std::uint32_t kHeadlessFrames = 500;
   std::filesystem::path report;
   bool render = false;  ///< draw every frame off-screen and measure it
   std::filesystem::path screenshot;
   std::filesystem::path record;  ///< folder for numbered pictures
   std::uint32_t every = 1;       ///< steps from picture to picture
   bool panel = false;            ///< in pictures, too
+  bool tour = false;             ///< the avatar flies by itself; without a window
 };
 
 /// Reads the words after the program's name. Fails with InvalidArgument and one sentence. `--screenshot`,

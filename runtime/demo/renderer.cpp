@@ -29,7 +29,7 @@ constexpr GLint kVerticesPerBall = 6;
 constexpr GLsizei kRoomVertices = 36;
 constexpr Vec3 kTowardsSun{0.42F, 1.0F, 0.30F};
 constexpr float kGridLines = 10;  // room units between the strong lines
-constexpr Color kBackground{201, 212, 224, 255};
+constexpr Color kBackground{44, 53, 64, 255};
 
 // Texture units and the binding point of the scene.
 constexpr GLint kShadowUnit = 0;

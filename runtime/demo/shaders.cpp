@@ -34,25 +34,25 @@ layout(location = 2) in float instanceGlow;
 
 constexpr const char* kShading = R"(
 uniform sampler2DShadow shadowMap;
-const vec3 kSunLight = vec3(2.35, 2.2, 1.95);
-const vec3 kSky = vec3(0.60, 0.72, 0.92);
-const vec3 kGround = vec3(0.30, 0.27, 0.26);
-const vec3 kHaze = vec3(0.62, 0.70, 0.80);
-const vec3 kGlow = vec3(3.6, 0.62, 0.05);
+const vec3 kSunLight = vec3(1.50, 1.38, 1.20);
+const vec3 kSky = vec3(0.36, 0.45, 0.60);
+const vec3 kGround = vec3(0.20, 0.18, 0.17);
+const vec3 kHaze = vec3(0.36, 0.43, 0.52);
+const vec3 kGlow = vec3(1.0, 0.30, 0.04);  // as it is seen
 out vec4 fragment;
 
 float lit(vec3 place, vec3 normal) {
   if (sun.w == 0.0) return 1.0;
-  vec3 at = (sunProjection * vec4(place + 0.06 * normal, 1.0)).xyz;
+  vec3 at = (sunProjection * vec4(place + 0.12 * normal, 1.0)).xyz;
   vec2 texel = 1.0 / vec2(textureSize(shadowMap, 0));
   float sum = 0.0;
   for (int j = 0; j < 2; ++j)
-    for (int i = 0; i < 2; ++i) sum += texture(shadowMap, at + vec3((vec2(i, j) - 0.5) * texel * 1.5, -0.0006));
+    for (int i = 0; i < 2; ++i) sum += texture(shadowMap, at + vec3((vec2(i, j) - 0.5) * texel * 1.5, -0.0010));
   return 0.25 * sum;
 }
 
 vec3 leave(vec3 color, float away) {
-  color = mix(kHaze, color, exp(-0.0030 * away));
+  color = mix(kHaze, color, exp(-0.0022 * away));
   color = color * (2.51 * color + 0.03) / (color * (2.43 * color + 0.59) + 0.14);
   return pow(clamp(color, 0.0, 1.0), vec3(1.0 / 2.2));
 }
@@ -71,8 +71,9 @@ void shade(vec3 place, vec3 normal, vec3 color, float glow, float gloss) {
   float shine = pow(max(dot(normal, normalize(sun.xyz + toEye)), 0.0), 48.0) * gloss * light;
   float rim = pow(1.0 - max(dot(normal, toEye), 0.0), 4.0);
   vec3 outgoing = color * (kSunLight * light + around) + kSunLight * shine + 0.18 * rim * kSky;
-  outgoing = mix(outgoing, kGlow * (0.45 + 0.55 * max(dot(normal, toEye), 0.0)), clamp(glow, 0.0, 1.0));
-  fragment = vec4(leave(outgoing, away), 1.0);
+  // Over the haze, so that a collision is seen from afar; full for most of its time, then gone quickly.
+  vec3 hot = kGlow * (0.70 + 0.30 * max(dot(normal, toEye), 0.0)) + vec3(0.25, 0.2, 0.1) * light;
+  fragment = vec4(mix(leave(outgoing, away), hot, smoothstep(0.0, 0.55, glow)), 1.0);
 }
 )";
 
@@ -201,18 +202,18 @@ void main() {
   vec3 other = mix(away, vec3(1e9), abs(normal));
   float corner = min(other.x, min(other.y, other.z));
   vec2 at = abs(normal.y) > 0.5 ? place.xz : abs(normal.x) > 0.5 ? place.zy : place.xy;
-  vec3 color = normal.y > 0.5 ? vec3(0.56, 0.58, 0.60) : vec3(0.50, 0.56, 0.63);
+  vec3 color = normal.y > 0.5 ? vec3(0.50, 0.515, 0.53) : vec3(0.42, 0.48, 0.55);
   color *= 1.0 - 0.34 * line(at, room.w, 0.035) - 0.14 * line(at, room.w / 5.0, 0.015);
   color *= mix(0.70, 1.0, smoothstep(0.0, 5.0, corner));
   if (normal.y > 0.5) {  // where the avatar stands above the floor
     float from = length(place.xz - avatar.xz);
     float soft = fwidth(from);
     float ring = 1.0 - smoothstep(0.10, 0.10 + 1.5 * soft, abs(from - 1.6 * avatar.w));
-    color = mix(color, vec3(0.01, 0.55, 0.36), 0.85 * ring);
+    color = mix(color, vec3(0.70, 0.01, 0.22), 0.85 * ring);
   }
   vec3 toEye = viewer.xyz - place;
   float straight = max(dot(normal, sun.xyz), 0.0);
-  vec3 around = mix(vec3(0.48), kSky, 0.5 + 0.5 * normal.y);
+  vec3 around = mix(vec3(0.34), kSky, 0.5 + 0.5 * normal.y);
   float light = straight > 0.0 ? straight * lit(place, normal) : 0.12;
   fragment = vec4(leave(color * (0.75 * kSunLight * light + around), length(toEye)), 1.0);
 }

@@ -16,14 +16,18 @@ using spheretree::Vec3;
 
 namespace {
 
-constexpr Color kAvatarColor{24, 214, 138, 255};
+constexpr Color kAvatarColor{236, 28, 140, 255};
 // Kinds differ in hue, objects in lightness, so that a crowd does not melt into one.
-constexpr std::array<Color, 4> kBunnyColors{{{240, 226, 204, 255}, {226, 206, 178, 255}, {246, 236, 220, 255},
-                                             {214, 190, 160, 255}}};
-constexpr std::array<Color, 4> kBoxColors{{{72, 118, 178, 255}, {96, 146, 204, 255}, {54, 94, 150, 255},
-                                           {122, 166, 214, 255}}};
-constexpr std::array<Color, 6> kLevelColors{{{123, 97, 201, 255}, {58, 124, 214, 255}, {32, 166, 160, 255},
-                                             {124, 179, 66, 255}, {222, 178, 38, 255}, {190, 120, 60, 255}}};
+constexpr std::array<Color, 4> kBunnyColors{
+    {{240, 226, 204, 255}, {226, 206, 178, 255}, {246, 236, 220, 255}, {214, 190, 160, 255}}};
+constexpr std::array<Color, 4> kBoxColors{
+    {{72, 118, 178, 255}, {96, 146, 204, 255}, {54, 94, 150, 255}, {122, 166, 214, 255}}};
+constexpr std::array<Color, 6> kLevelColors{{{123, 97, 201, 255},
+                                             {58, 124, 214, 255},
+                                             {32, 166, 160, 255},
+                                             {124, 179, 66, 255},
+                                             {222, 178, 38, 255},
+                                             {190, 120, 60, 255}}};
 constexpr Color kTight{70, 170, 90, 255};
 constexpr Color kMiddling{245, 222, 120, 255};
 constexpr Color kFat{128, 30, 140, 255};
@@ -37,7 +41,8 @@ constexpr float kFaintest = 0.02F;
 Color mixed(const Color& a, const Color& b, float share) {
   Color color{};
   for (std::size_t k = 0; k < color.size(); ++k) {
-    const float value = static_cast<float>(a[k]) + share * (static_cast<float>(b[k]) - static_cast<float>(a[k]));
+    const float value =
+        static_cast<float>(a[k]) + share * (static_cast<float>(b[k]) - static_cast<float>(a[k]));
     color[k] = static_cast<std::uint8_t>(std::lround(value));
   }
   return color;
@@ -125,7 +130,8 @@ Result<Done> Stage::dress(Cast& cast, ObjectKind kind, const UnitTree& tree, con
     if (settings.paint == BallPaint::Overhang && cast.hasMesh) {
       // Half the unit cube's edge is more than any ball below the root sticks out.
       constexpr float kMost = 0.25F;
-      color = overhangColor(cast.overhangs[static_cast<std::size_t>(node - tree.tree.nodes().data())] / kMost);
+      color =
+          overhangColor(cast.overhangs[static_cast<std::size_t>(node - tree.tree.nodes().data())] / kMost);
     }
     balls.push_back({node->ball, color});
   }
@@ -143,8 +149,8 @@ void Stage::collect(const Room& room) {
   }
 }
 
-Result<Done> Stage::draw(const Room& room, const Camera& camera, const StageSettings& settings, GLuint framebuffer,
-                         PixelSize size) {
+Result<Done> Stage::draw(const Room& room, const Camera& camera, const StageSettings& settings,
+                         GLuint framebuffer, PixelSize size) {
   glows_.resize(room.bodyCount(), 0);
   std::array<Renderer::Group, 3> groups;
   collect(room);
@@ -157,8 +163,8 @@ Result<Done> Stage::draw(const Room& room, const Camera& camera, const StageSett
     const Look look = cast.hasMesh ? settings.look : Look::Balls;
     groups[static_cast<std::size_t>(kind)] = {&cast.model, look, cast.instances};
   }
-  const Renderer::Picture picture{camera,           room.settings().size, room.place(0), Room::kAvatarRadius,
-                                  settings.shadows, groups};
+  const Renderer::Picture picture{
+      camera, room.settings().size, room.place(0), Room::kAvatarRadius, settings.shadows, groups};
   renderer_.draw(picture, framebuffer, size);
   return Done{};
 }

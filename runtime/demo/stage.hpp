@@ -45,8 +45,9 @@ class Stage {
   void noteContacts(const Room& room);
   /// Draws the room on a framebuffer. Fails when the mesh file of a tree is broken; a tree without a mesh is
   /// drawn as balls.
-  spheretree::Result<spheretree::Done> draw(const Room& room, const Camera& camera, const StageSettings& settings,
-                                            GLuint framebuffer, PixelSize size);
+  spheretree::Result<spheretree::Done> draw(const Room& room, const Camera& camera,
+                                            const StageSettings& settings, GLuint framebuffer,
+                                            PixelSize size);
 
  private:
   /// One kind of object, with what its model was made of.

@@ -43,9 +43,10 @@ Result<FoundTrees> findTrees(const fs::path& folder) {
   const std::vector<fs::path> folders = folder.empty() ? treeFolders() : std::vector{folder};
   const auto found = std::find_if(folders.begin(), folders.end(), holdsTrees);
   if (folder.empty() && found == folders.end()) {
-    return FoundTrees{TreeLibrary::builtIn(),
-                      "no sphere trees in ./build/run, so there are boxes only; `./bootstrap run` makes the bunny's, "
-                      "--trees DIR names another folder"};
+    return FoundTrees{
+        TreeLibrary::builtIn(),
+        "no sphere trees in ./build/run, so there are boxes only; `./bootstrap run` makes the bunny's, "
+        "--trees DIR names another folder"};
   }
   Result<TreeLibrary> library = TreeLibrary::load(folder.empty() ? *found : folder);
   if (!library) return library.error();
