@@ -85,11 +85,15 @@ Result<std::unique_ptr<Film>> Film::create(const Options& options) {
 }
 
 void Film::drawPanel(const Room& room, const Camera& camera) {
-  overlay_->begin(options_.size);
-  panel_.draw(room, options_.stage, options_.view, history_, "a run without a window");
   const Vec3 tilt = camera.toStick(room.consumed().input.stick);
-  drawStick({tilt, tilt, Hand::Joystick, touch_.kick(), {}, touch_.hits()}, options_.size);
-  overlay_->end();
+  // Dear ImGui hides a window for the frame in which it measures it.
+  for (int pass = overlayMeasured_ ? 1 : 0; pass < 2; ++pass) {
+    overlay_->begin(options_.size);
+    panel_.draw(room, options_.stage, options_.view, history_, "a run without a window");
+    drawStick({tilt, tilt, Hand::Joystick, touch_.kick(), {}, touch_.hits()}, options_.size);
+    overlay_->end();
+  }
+  overlayMeasured_ = true;
 }
 
 Result<Done> Film::draw(const Room& room) {
@@ -120,17 +124,17 @@ float Film::take(const Room& room) {
   if (problem_) return 0;
   stage_->noteContacts(room);
   touch_.feel(room, cameraAt(options_.view, room));
-  const bool last = frame == last_ && !options_.screenshot.empty();
+  const spheretree::StepTimes& times = room.report().collision;
+  history_.add({times.update, times.broad, times.narrow, drawing_});
+  const bool shot = frame == last_ && !options_.screenshot.empty();
   const bool recorded = !options_.record.empty() && frame % options_.every == 0;
-  if (!options_.render && !last && !recorded) return 0;
+  if (!options_.render && !shot && !recorded) return 0;
   const auto start = Clock::now();
   Result<Done> result = draw(room);
-  const float took = std::chrono::duration<float, std::micro>(Clock::now() - start).count();
+  drawing_ = std::chrono::duration<float, std::micro>(Clock::now() - start).count();
   if (result) result = write(frame);
   if (!result) problem_ = result.error();
-  const spheretree::StepTimes& times = room.report().collision;
-  history_.add({times.update, times.broad, times.narrow, took});
-  return took;
+  return drawing_;
 }
 
 }  // namespace crowded_room

@@ -53,8 +53,10 @@ class Film {
   std::optional<Stage> stage_;
   std::optional<Overlay> overlay_;
   Panel panel_;
+  bool overlayMeasured_ = false;
   History history_;
   Touch touch_;
+  float drawing_ = 0;  // microseconds, of the last picture
   std::uint32_t frame_ = 0;
   std::optional<spheretree::Error> problem_;
 };

@@ -134,6 +134,10 @@ Result<TreeLibrary> TreeLibrary::load(const fs::path& folder) {
     if (!added) return unreadable(path, added.error().message);
     library.placeOf(name)->file = path;
   }
+  if (library.usual(TreeUse::Box).use != TreeUse::Box) {
+    const Result<Done> added = library.add(std::string(kBuiltIn), builtInBox());
+    if (!added) return added.error();
+  }
   return library;
 }
 

@@ -33,8 +33,9 @@ struct UnitTree {
 class TreeLibrary {
  public:
   /// All `.sph` files of a folder, in the order of their names; a name that begins with `box` is for boxes,
-  /// any other for bunnies. Fails with UnreadableInput, naming the folder or the file and the reason; when
-  /// the folder is missing or holds no tree, the sentence says how to make them.
+  /// any other for bunnies. Where none is for boxes, the built-in one is added. Fails with UnreadableInput,
+  /// naming the folder or the file and the reason; when the folder is missing or holds no tree, the sentence
+  /// says how to make them.
   static spheretree::Result<TreeLibrary> load(const std::filesystem::path& folder);
 
   /// The first of the folders that exists and holds a `.sph` file, loaded; what load() says otherwise.

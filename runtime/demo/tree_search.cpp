@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tree_search.hpp"
 
-#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -12,14 +11,6 @@ using spheretree::Result;
 namespace {
 
 namespace fs = std::filesystem;
-
-bool holdsTrees(const fs::path& folder) {
-  std::error_code ignored;  // a folder that cannot be listed has no trees for us
-  for (fs::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
-    if (it->path().extension() == ".sph") return true;
-  }
-  return false;
-}
 
 /// The folder of the running program; empty where the system does not tell.
 fs::path programFolder() {
@@ -41,16 +32,13 @@ std::vector<fs::path> treeFolders() {
 
 Result<FoundTrees> findTrees(const fs::path& folder) {
   const std::vector<fs::path> folders = folder.empty() ? treeFolders() : std::vector{folder};
-  const auto found = std::find_if(folders.begin(), folders.end(), holdsTrees);
-  if (folder.empty() && found == folders.end()) {
-    return FoundTrees{
-        TreeLibrary::builtIn(),
-        "no sphere trees in ./build/run, so there are boxes only; `./bootstrap run` makes the bunny's, "
-        "--trees DIR names another folder"};
-  }
-  Result<TreeLibrary> library = TreeLibrary::load(folder.empty() ? *found : folder);
-  if (!library) return library.error();
-  return FoundTrees{std::move(*library), {}};
+  Result<TreeLibrary> library = TreeLibrary::loadFirst(folders);
+  if (library) return FoundTrees{std::move(*library), {}};
+  const bool none = library.error().message == howToMakeTrees(folders.front());
+  if (!folder.empty() || !none) return library.error();
+  return FoundTrees{TreeLibrary::builtIn(),
+                    "no sphere trees in ./build/run, so there are boxes only; `./bootstrap run` makes the bunny's, "
+                    "--trees DIR names another folder"};
 }
 
 }  // namespace crowded_room
