@@ -11,7 +11,7 @@
 #include <concepts>
 #include <string_view>
 #include <system_error>
-#include <type_traits>
+#include <utility>
 
 namespace crowded_room {
 
@@ -45,8 +45,13 @@ std::string takeCount(T& target, std::string_view word) {
   return takeNumber(target, word, "a whole number from 0");
 }
 
-std::string takeReal(float& target, std::string_view word) {
-  return takeNumber(target, word, "a number");
+/// A number between two others, in words `what`.
+std::string takeReal(float& target, std::string_view word, std::pair<float, float> range, const char* what) {
+  float value = 0;
+  const bool isNumber = takeNumber(value, word, what).empty();
+  if (!isNumber || !(value >= range.first && value <= range.second)) return what;
+  target = value;
+  return {};
 }
 
 std::string takeFromOne(std::uint32_t& target, std::string_view word) {
@@ -124,11 +129,15 @@ constexpr std::array<Row, 31> kRows{{
     {"--objects", "N", "objects in the room [1000]",
      [](Options& o, Word w) { return takeCount(o.room.objects, w); }},
     {"--mix", "SHARE", "share of bunnies, the others are boxes, 0 to 1 [0.5]",
-     [](Options& o, Word w) { return takeReal(o.room.bunnyShare, w); }},
+     [](Options& o, Word w) {
+       return takeReal(o.room.bunnyShare, w, {0.0F, 1.0F}, "a share from 0 to 1");
+     }},
     {"--movement", "xz|xyz", "in the plane or in space [xyz]",
      [](Options& o, Word w) { return takeNamed(o.room.movement, w, kMovements); }},
     {"--speed", "V", "largest speed along an axis, units per second [5]",
-     [](Options& o, Word w) { return takeReal(o.room.speed, w); }},
+     [](Options& o, Word w) {
+       return takeReal(o.room.speed, w, {0.001F, 60.0F}, "a number above 0, at most 60");
+     }},
     {"--seed", "N", "of places and directions [1]",
      [](Options& o, Word w) { return takeCount(o.room.seed, w); }},
     {"--broad", "NAME", "brute_force, grid, octree, sweep_and_prune, grid_sweep or sweep [sweep]",

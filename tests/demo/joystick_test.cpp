@@ -42,8 +42,8 @@ class PretendedJoystick {
     desc.name = "pretended stick";
     desc.userdata = &rumbles_;
     desc.Rumble = motors == Motors::Rumble ? noteRumble : nullptr;
-    index_ = SDL_JoystickAttachVirtualEx(&desc);
-    if (index_ >= 0) joystick_ = SDL_JoystickOpen(index_);
+    const int index = SDL_JoystickAttachVirtualEx(&desc);
+    if (index >= 0) joystick_ = SDL_JoystickOpen(index);
   }
   ~PretendedJoystick() { pull(); }
   PretendedJoystick(const PretendedJoystick&) = delete;
@@ -56,14 +56,16 @@ class PretendedJoystick {
   }
   void pull() {
     if (joystick_ == nullptr) return;
-    SDL_JoystickDetachVirtual(index_);
+    const SDL_JoystickID id = SDL_JoystickInstanceID(joystick_);
+    for (int index = 0; index < SDL_NumJoysticks(); ++index) {  // which shifts when others are pulled
+      if (SDL_JoystickGetDeviceInstanceID(index) == id) SDL_JoystickDetachVirtual(index);
+    }
     SDL_JoystickClose(joystick_);
     joystick_ = nullptr;
   }
   [[nodiscard]] const std::vector<Rumble>& rumbles() const { return rumbles_; }
 
  private:
-  int index_ = -1;
   SDL_Joystick* joystick_ = nullptr;
   std::vector<Rumble> rumbles_;
 };
