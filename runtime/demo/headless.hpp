@@ -42,6 +42,8 @@ struct HeadlessReport {
   PhaseSummary narrow;
   PhaseSummary collision;  ///< the three together, frame by frame
   PhaseSummary response;
+  /// Processor time of the whole step, response included, all threads: what a busy machine disturbs least.
+  PhaseSummary processor;
   std::optional<PhaseSummary> render;
   double pairsPerFrame = 0;
   double contactsPerFrame = 0;

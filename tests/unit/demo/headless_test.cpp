@@ -53,6 +53,7 @@ TEST(HeadlessTest, PhasesAddUpToTheCollisionTime) {
   EXPECT_GT(report.broad.median, 0);
   EXPECT_GE(report.collision.p99, report.collision.median);
   EXPECT_DOUBLE_EQ(report.fpsOfMean(), 1e6 / report.collision.mean);
+  EXPECT_GT(report.processor.mean, 0);
   EXPECT_FALSE(report.render.has_value());
   EXPECT_FALSE(report.fpsRendered().has_value());
 }
