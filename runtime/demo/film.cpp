@@ -44,10 +44,10 @@ Camera cameraAt(Viewpoint view, const Room& room) {
     return camera;
   }
   const Vec3 size = room.settings().size;
-  constexpr float kBack = 1.52F;  // room lengths from which a wide picture holds it
+  constexpr float kBack = 1.6F;  // room lengths from which a wide picture holds it
   camera.setAngles(0.62F, 0.50F);
   camera.setDistance(kBack * std::max(size.x, size.z));
-  camera.follow({0.5F * size.x, 0.1F * size.y, 0.5F * size.z});
+  camera.follow({0.5F * size.x, -0.15F * size.y, 0.5F * size.z});
   camera.setSlope(0.36F);
   return camera;
 }

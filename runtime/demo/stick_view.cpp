@@ -107,8 +107,10 @@ std::optional<Vec3> drawStick(const StickShown& shown, PixelSize size) {
   ImGui::Text("%s", resting ? "at rest" : nameOf(shown.hand));
   ImGui::SameLine(0.5F * kWidth);
   ImGui::Text("hits %llu", static_cast<unsigned long long>(shown.hits));
-  ImGui::Text("input to simulation %.1f ms", static_cast<double>(shown.latency.toSimulation));
-  ImGui::Text("input to frame      %.1f ms", static_cast<double>(shown.latency.toFrame));
+  if (shown.latency.toFrame > 0) {
+    ImGui::Text("input to simulation %.1f ms", static_cast<double>(shown.latency.toSimulation));
+    ImGui::Text("input to frame      %.1f ms", static_cast<double>(shown.latency.toFrame));
+  }
   ImGui::End();
   return dragged;
 }
