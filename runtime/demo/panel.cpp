@@ -61,6 +61,14 @@ void comboOfTrees(const char* label, std::string& value, TreeUse use, const Room
   ImGui::EndCombo();
 }
 
+void editLevels(const char* label, std::uint32_t& value, const Room& room) {
+  const auto deepest = static_cast<int>(std::max(room.treeOf(ObjectKind::Bunny).tree.levelCount(),
+                                                 room.treeOf(ObjectKind::Box).tree.levelCount()));
+  int levels = static_cast<int>(value);
+  if (ImGui::SliderInt(label, &levels, 1, std::max(deepest, 2)))
+    value = static_cast<std::uint32_t>(std::max(levels, 1));
+}
+
 void editCrowd(RoomSettings& room) {
   int objects = static_cast<int>(room.objects);
   ImGui::SliderInt("objects", &objects, 0, kMostObjects, "%d", ImGuiSliderFlags_Logarithmic);
@@ -80,16 +88,15 @@ void editCollision(RoomSettings& settings, const Room& room) {
   combo("narrow phase", settings.narrow, std::array{"none: boxes", "sphere trees"});
   comboOfTrees("bunny tree", settings.bunnyTree, TreeUse::Bunny, room);
   comboOfTrees("box tree", settings.boxTree, TreeUse::Box, room);
-  const auto deepest = static_cast<int>(std::max(room.treeOf(ObjectKind::Bunny).tree.levelCount(),
-                                                 room.treeOf(ObjectKind::Box).tree.levelCount()));
-  int levels = static_cast<int>(settings.levels);
-  ImGui::SliderInt("levels", &levels, 1, std::max(deepest, 2));
-  settings.levels = static_cast<std::uint32_t>(std::max(levels, 1));
+  editLevels("levels", settings.levels, room);
 }
 
-void editView(StageSettings& stage, Viewpoint& view) {
+void editView(StageSettings& stage, Viewpoint& view, const Room& room) {
   combo("objects as", stage.look, std::array{"meshes", "balls of their trees"});
-  if (stage.look == Look::Balls) combo("colour by", stage.paint, std::array{"object", "level", "overhang"});
+  if (stage.look == Look::Balls) {
+    editLevels("levels drawn", stage.levels, room);
+    combo("colour by", stage.paint, std::array{"object", "level", "overhang"});
+  }
   combo("view", view, std::array{"behind the avatar", "whole room"});
   bool shadows = stage.shadows == Shadows::On;
   if (ImGui::Checkbox("shadows", &shadows)) stage.shadows = shadows ? Shadows::On : Shadows::Off;
@@ -198,7 +205,7 @@ void Panel::drawAll(Wishes& wishes, const Room& room, const History& history, co
   ImGui::Separator();
   editCollision(wishes.room, room);
   ImGui::Separator();
-  editView(wishes.stage, wishes.view);
+  editView(wishes.stage, wishes.view, room);
   if (ImGui::Button(wishes.flow == Flow::Running ? "pause" : "go on", {0.3F * kWidth, 0}))
     wishes.flow = wishes.flow == Flow::Running ? Flow::Paused : Flow::Running;
   ImGui::SameLine();
@@ -227,9 +234,10 @@ void Panel::draw(Room& room, StageSettings& stage, Viewpoint& view, const Histor
     room.askForStep();
   }
   if (!differs(wishes.room, room.settings())) return;
+  const std::uint32_t levels = room.settings().levels;
   const Result<Done> changed = room.change(wishes.room);
   refused_ = changed ? std::string{} : changed.error().message;
-  if (changed) stage.levels = wishes.room.levels;
+  if (changed && levels != wishes.room.levels) stage.levels = wishes.room.levels;
 }
 
 void Panel::draw(const Room& room, const StageSettings& stage, Viewpoint view, const History& history,

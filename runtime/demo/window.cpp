@@ -195,10 +195,8 @@ void Play::drawOverlay(PixelSize size) {
     Viewpoint view = options_.view;
     panel_.draw(room_, options_.stage, view, history_, pilot_->gamepad().status());
     if (view != options_.view) look(view);
-    pilot_->drag(drawStick(pilot_->shown(room_, camera_), size).value_or(spheretree::Vec3{}));
-  } else {
-    pilot_->drag({});
   }
+  pilot_->drag(drawStick(pilot_->shown(room_, camera_), size).value_or(spheretree::Vec3{}));
   overlay_->end();
 }
 
