@@ -46,6 +46,7 @@ struct Recording {
   std::vector<float> response;
   std::vector<float> processor;
   std::vector<float> render;
+  std::vector<float> renderProcessor;
 
   void add(const StepReport& step) {
     update.push_back(step.collision.update);
@@ -55,6 +56,11 @@ struct Recording {
     response.push_back(step.response);
   }
 };
+
+/// Of the processor's time.
+float microsecondsBetween(std::clock_t start, std::clock_t end) {
+  return kMicrosecondsPerTick * static_cast<float>(end - start);
+}
 
 PhaseSummary summaryOf(std::vector<float> times) {
   std::sort(times.begin(), times.end());
@@ -158,6 +164,7 @@ std::string timesJson(const HeadlessReport& report) {
   out.add("response", json(report.response));
   out.add("step_processor_time", json(report.processor));
   if (report.render) out.add("render", json(*report.render));
+  if (report.renderProcessor) out.add("render_processor_time", json(*report.renderProcessor));
   return out.text();
 }
 
@@ -218,12 +225,15 @@ Result<HeadlessReport> runHeadless(const HeadlessSettings& settings, const TreeL
     if (const Result<Done> stepped = room->step(input); !stepped) return stepped.error();
     const std::clock_t end = std::clock();
     if (frame < settings.warmUp) continue;
-    recording.processor.push_back(kMicrosecondsPerTick * static_cast<float>(end - start));
+    recording.processor.push_back(microsecondsBetween(start, end));
     recording.add(room->report());
     pairs += room->report().pairs;
     contacts += room->report().contacts;
     report.impacts += room->impacts().size();
-    if (settings.render) recording.render.push_back(settings.render(*room));
+    if (!settings.render) continue;
+    const std::clock_t renderStart = std::clock();
+    recording.render.push_back(settings.render(*room));
+    recording.renderProcessor.push_back(microsecondsBetween(renderStart, std::clock()));
   }
   report.update = summaryOf(recording.update);
   report.broad = summaryOf(recording.broad);
@@ -231,7 +241,10 @@ Result<HeadlessReport> runHeadless(const HeadlessSettings& settings, const TreeL
   report.collision = summaryOf(recording.collision);
   report.response = summaryOf(recording.response);
   report.processor = summaryOf(recording.processor);
-  if (settings.render) report.render = summaryOf(recording.render);
+  if (settings.render) {
+    report.render = summaryOf(recording.render);
+    report.renderProcessor = summaryOf(recording.renderProcessor);
+  }
   report.pairsPerFrame = static_cast<double>(pairs) / settings.frames;
   report.contactsPerFrame = static_cast<double>(contacts) / settings.frames;
   report.stateHash = room->stateHash();

@@ -45,6 +45,7 @@ struct HeadlessReport {
   /// Processor time of the whole step, response included, all threads: what a busy machine disturbs least.
   PhaseSummary processor;
   std::optional<PhaseSummary> render;
+  std::optional<PhaseSummary> renderProcessor;  ///< processor time of rendering, all threads
   double pairsPerFrame = 0;
   double contactsPerFrame = 0;
   std::uint64_t stateHash = 0;  ///< after the last frame

@@ -59,6 +59,7 @@ constexpr int kOurFault = 1;
 constexpr int kUsage = 2;
 constexpr int kUnreadable = 3;
 
+constexpr double kLimit = 1e6 / 60;  // microseconds
 /// Capacities are looked for with few frames, to this share of themselves, and then proved with many.
 constexpr double kCapacityShare = 0.02;
 constexpr double kCapacityStepBack = 0.98;
@@ -122,8 +123,8 @@ class Experiments {
             const std::string& quantity, double value);
   void splitUpdates(const std::string& experiment, std::uint32_t objects, const RoomSettings& settings);
   double costOf(const RoomSettings& settings, std::uint32_t objects) const;
-  std::uint32_t roughCapacity(const RoomSettings& settings, double limit) const;
-  HeadlessReport capacity(const RoomSettings& settings, double limit) const;
+  std::uint32_t roughCapacity(const RoomSettings& settings) const;
+  HeadlessReport capacity(const RoomSettings& settings) const;
 
   const Options& options_;
   const TreeLibrary& library_;
@@ -453,35 +454,35 @@ double Experiments::costOf(const RoomSettings& settings, std::uint32_t objects) 
 
 /// The cost grows about like a power of the objects: between two counts that enclose the limit, the next one
 /// to try lies where that power meets it.
-std::uint32_t Experiments::roughCapacity(const RoomSettings& settings, double limit) const {
+std::uint32_t Experiments::roughCapacity(const RoomSettings& settings) const {
   double good = kFirstCapacity;
   double goodCost = costOf(settings, kFirstCapacity);
   double bad = good;
   double badCost = goodCost;
-  while (badCost <= limit) {
+  while (badCost <= kLimit) {
     good = bad;
     goodCost = badCost;
     bad = 2 * good;
     badCost = costOf(settings, static_cast<std::uint32_t>(bad));
   }
   for (int round = 0; round < kSearchRounds && bad > (1 + kCapacityShare) * good; ++round) {
-    const double power = std::clamp(std::log(limit / goodCost) / std::log(badCost / goodCost), 0.1, 0.9);
+    const double power = std::clamp(std::log(kLimit / goodCost) / std::log(badCost / goodCost), 0.1, 0.9);
     const double count = std::floor(good * std::pow(bad / good, power));
     const double cost = costOf(settings, static_cast<std::uint32_t>(count));
-    (cost <= limit ? good : bad) = count;
-    (cost <= limit ? goodCost : badCost) = cost;
+    (cost <= kLimit ? good : bad) = count;
+    (cost <= kLimit ? goodCost : badCost) = cost;
   }
   return static_cast<std::uint32_t>(good);
 }
 
 /// The most objects for which the median processor time of a step stays below the limit, proved by a run of
 /// its own: wall-clock time says nothing about frames that others interrupt.
-HeadlessReport Experiments::capacity(const RoomSettings& settings, double limit) const {
+HeadlessReport Experiments::capacity(const RoomSettings& settings) const {
   RoomSettings scene = settings;
-  scene.objects = roughCapacity(settings, limit);
+  scene.objects = roughCapacity(settings);
   while (true) {
     HeadlessReport report = run(scene, std::max(kProofFrames, framesFor(scene.objects)));
-    if (report.processor.median <= limit || scene.objects < 2) return report;
+    if (report.processor.median <= kLimit || scene.objects < 2) return report;
     scene.objects = static_cast<std::uint32_t>(kCapacityStepBack * scene.objects);
   }
 }
@@ -495,13 +496,7 @@ bool Experiments::capacities() {
            {"sweep + boxes as combined trees", ownTrees()},
            {"sweep + boxes as octrees", withTrees("bunny-combined-3", 3, BroadPhaseKind::Sweep)},
            {"sweep & prune + combined 3 levels", sweepAndPrune("bunny-combined-3", 3)}}) {
-    write("capacity-60", each.name, capacity(each.settings, 1e6 / 60));
-  }
-  for (const int rate :
-       {40, 26, 10}) {  // where the bands of Table 1 end, for the system that the paper chose
-    const Series chosen = fourTrees().back();
-    const std::uint32_t objects = roughCapacity(chosen.settings, 1e6 / rate);
-    part("capacity-" + std::to_string(rate), chosen.name, objects, "objects", objects);
+    write("capacity", each.name, capacity(each.settings));
   }
   return true;
 }

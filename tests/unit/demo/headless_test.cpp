@@ -70,6 +70,7 @@ TEST(HeadlessTest, AsksForEveryMeasuredFrameToBeRendered) {
   EXPECT_EQ(frames, 50);
   ASSERT_TRUE(report.render.has_value());
   EXPECT_DOUBLE_EQ(report.render->mean, 1000);
+  EXPECT_TRUE(report.renderProcessor.has_value());
   EXPECT_LT(*report.fpsRendered(), 1000);
   EXPECT_GT(*report.fpsRendered(), 1);
 }
