@@ -18,7 +18,6 @@
 namespace crowded_room {
 
 using spheretree::Done;
-using spheretree::Error;
 using spheretree::Result;
 using spheretree::Vec3;
 

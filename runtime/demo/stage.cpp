@@ -12,7 +12,6 @@ namespace crowded_room {
 using spheretree::Done;
 using spheretree::Node;
 using spheretree::Result;
-using spheretree::Vec3;
 
 namespace {
 
