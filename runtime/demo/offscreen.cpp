@@ -32,8 +32,8 @@ class Offscreen::EglContext final : public Offscreen::Context {
   ~EglContext() override {
     if (display_ == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    // The display is not terminated: EGL has one for the whole process, and others may have contexts of it.
     if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-    eglTerminate(display_);
   }
 
   /// Nothing, or the reason why there is no context.
