@@ -38,7 +38,11 @@ constexpr GLint kColorUnit = 2;
 constexpr GLuint kSceneBinding = 0;
 
 // Locations that the shaders name.
-enum Attribute : GLuint { kPlaceAndScale = 0, kInstanceColor = 1, kGlow = 2, kCorner = 3, kCornerNormal = 4 };
+constexpr GLuint kPlaceAndScale = 0;
+constexpr GLuint kInstanceColor = 1;
+constexpr GLuint kGlow = 2;
+constexpr GLuint kCorner = 3;
+constexpr GLuint kCornerNormal = 4;
 
 Result<GlProgram> makeSceneProgram(std::string_view name, const shaders::Sources& sources) {
   Result<GlProgram> program = makeProgram(name, sources.vertex, sources.fragment);
