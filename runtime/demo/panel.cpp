@@ -173,7 +173,7 @@ void showRate(const char* label, double microseconds) {
                                    {"low", {0.95F, 0.40F, 0.30F, 1}}}};
   const auto tint =
       std::find_if(tints.begin(), tints.end(), [&](const Tint& each) { return each.band == band; });
-  ImGui::Text("%s %.0f fps,", label, fps);
+  ImGui::Text("%s %.*f fps,", label, fps < 10 ? 1 : 0, fps);
   ImGui::SameLine();
   ImGui::TextColored(tint != tints.end() ? tint->color : ImVec4{1, 1, 1, 1}, "%.*s",
                      static_cast<int>(band.size()), band.data());
