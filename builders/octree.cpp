@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,7 @@ using Polygon = std::vector<Vector3d>;
 struct OctreeNode {
   medial::Ball ball;
   std::uint32_t parent = 0;
+  std::string_view maker{};
   AlignedBox3d cell;
   std::vector<Polygon> surface;  // the part of the surface in the cell; empty: the cell is inside the solid
 };
@@ -161,7 +163,7 @@ BallTree buildOctree(const Surface& surface, const BuildSettings& settings, cons
   level.push_back(makeRoot(surface));
   for (std::uint32_t depth = 0;; ++depth) {
     tree.levels.emplace_back();
-    for (const OctreeNode& node : level) tree.levels.back().push_back({node.ball, node.parent});
+    for (const OctreeNode& node : level) tree.levels.back().push_back({node.ball, node.parent, node.maker});
     if (depth == 0) tree.winners.emplace_back();
     if (depth + 1 >= settings.levels) break;
 
@@ -181,6 +183,7 @@ BallTree buildOctree(const Surface& surface, const BuildSettings& settings, cons
     for (std::uint32_t i = 0; i < children.size(); ++i) {
       for (OctreeNode& child : children[i]) {
         child.parent = i;
+        child.maker = refined[i] != 0 ? "octree" : "";
         next.push_back(std::move(child));
       }
     }
