@@ -133,7 +133,7 @@ std::vector<OctreeNode> splitNode(const Surface& surface, const BuildSettings& s
                                 Vector3d(at[0][x + 1], at[1][y + 1], at[2][z + 1]));
         const bool kept =
             !cells[x].empty() || (settings.cover == Cover::Solid && surface.inside(cell.center()));
-        if (kept) children.push_back({circumscribed(cell), 0, cell, std::move(cells[x])});
+        if (kept) children.push_back({circumscribed(cell), 0, "octree", cell, std::move(cells[x])});
       }
     }
   }
@@ -183,7 +183,7 @@ BallTree buildOctree(const Surface& surface, const BuildSettings& settings, cons
     for (std::uint32_t i = 0; i < children.size(); ++i) {
       for (OctreeNode& child : children[i]) {
         child.parent = i;
-        child.maker = refined[i] != 0 ? "octree" : "";
+        if (refined[i] == 0) child.maker = "";
         next.push_back(std::move(child));
       }
     }

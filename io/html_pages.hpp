@@ -46,8 +46,8 @@ Result<std::string> treePage(std::string_view reportJson, const TreeView& view);
 Result<std::string> formatHtmlReport(const builders::BuildResult& build, const Provenance& provenance,
                                      const medial::Surface& surface);
 
-/// A small picture of the balls of the level with at most a few hundred as an `<svg>` element: shaded discs seen
-/// from above the front, far ones first. Deterministic, a few kilobytes, needs no package.
+/// A small picture of the balls of the deepest level that a small picture can show as an `<svg>` element:
+/// shaded discs seen from above the front, far ones first. Deterministic, a few kilobytes, needs no package.
 [[nodiscard]] std::string thumbnailSvg(const SphereTree& tree);
 
 /// The page of a batch: a table that can be sorted, with links to the reports of the assets.
