@@ -19,6 +19,7 @@ struct Command {
 };
 
 // One file each. They add themselves to the program's parser.
+Command setupBatch(CLI::App& program);
 Command setupBuild(CLI::App& program);
 Command setupEval(CLI::App& program);
 Command setupInfo(CLI::App& program);

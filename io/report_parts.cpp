@@ -164,6 +164,15 @@ std::string exactNumber(double value) {
   return {digits.data(), end};
 }
 
+std::string readableNumber(double value) {
+  constexpr int kDigits = 6;
+  std::array<char, 32> digits{};
+  const auto [end, code] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, kDigits);
+  static_cast<void>(code);
+  return {digits.data(), end};
+}
+
 std::string levelCsvHeader() {
   return std::string(kCsvHeader);
 }

@@ -40,6 +40,9 @@ namespace spheretree::io {
 /// The shortest text that reads back as the same number.
 [[nodiscard]] std::string exactNumber(double value);
 
+/// Six digits, enough to read.
+[[nodiscard]] std::string readableNumber(double value);
+
 /// The first line of a CSV report.
 [[nodiscard]] std::string levelCsvHeader();
 
