@@ -315,6 +315,11 @@ CLI::Option* addThreads(CLI::App& app, unsigned& threads) {
   return option->configurable(false);
 }
 
+CLI::Option* addCount(CLI::App& app, const std::string& flag, std::size_t& target, std::size_t least,
+                      std::size_t most, const std::string& description) {
+  return addNumber(app, flag, target, least, most, description)->configurable(false);
+}
+
 CLI::Option* addJobs(CLI::App& app, unsigned& jobs) {
   CLI::Option* option = addNumber(app, "--jobs", jobs, 0U, kMostThreads,
                                   "Assets at once; 0: as many as threads. Never changes a result");

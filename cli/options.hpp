@@ -79,6 +79,10 @@ void checkSettings(const CLI::App& app, const builders::BuildSettings& settings,
 
 CLI::Option* addRepair(CLI::App& app, io::Repair& rule);
 CLI::Option* addThreads(CLI::App& app, unsigned& threads);
+/// A whole number between `least` and `most`.
+CLI::Option* addCount(CLI::App& app, const std::string& flag, std::size_t& target, std::size_t least,
+                      std::size_t most, const std::string& description);
+
 /// `--jobs`: how many assets at once.
 CLI::Option* addJobs(CLI::App& app, unsigned& jobs);
 CLI::Option* addForce(CLI::App& app, io::Overwrite& overwrite);

@@ -43,18 +43,6 @@ Json textOrNull(const std::string& text) {
 
 // --- assets ---
 
-Json levelOf(const Json& level) {
-  return {{"level", level.at("level")},
-          {"spheres", level.at("spheres")},
-          {"overhang_worst", level.at("overhang_worst").at("upper")},
-          {"overhang_worst_relative", level.at("overhang_worst_relative").at("upper")},
-          {"overhang_mean", level.at("overhang_mean")},
-          {"overhang_mean_relative", level.at("overhang_mean_relative")},
-          {"volume_ratio", level.at("volume_ratio")},
-          {"surface_certified", level.at("surface_cover").at("certified")},
-          {"solid_certified", level.at("solid_cover").at("certified")}};
-}
-
 /// What the record of a tree says about it.
 void addBuild(const Json& record, Json& asset) {
   const Json& mesh = record.at("mesh");
@@ -69,7 +57,8 @@ void addBuild(const Json& record, Json& asset) {
                    {"bytes", tree.at("bytes")},
                    {"levels", tree.at("levels")},
                    {"spheres", tree.at("spheres")}};
-  for (const Json& level : record.at("levels")) asset["levels"].push_back(levelOf(level));
+  for (const Json& level : record.at("levels"))
+    asset["levels"].push_back(Json::parse(briefLevelJson(level.dump())));
 }
 
 Json assetJson(const BatchAsset& asset, const AssetOutcome& outcome, Pages pages) {
@@ -203,13 +192,7 @@ std::string textOf(const Json& json) {
 // --- CSV ---
 
 std::string cellText(const Json& value) {
-  if (value.is_null()) return {};
-  if (!value.is_string()) return value.is_number_float() ? exactNumber(value.get<double>()) : value.dump();
-  const auto text = value.get<std::string>();
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char letter : text) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
-  return quoted + "\"";
+  return csvCell(value.dump());
 }
 
 std::string partOf(const Json& asset, const char* part, const char* key) {
