@@ -30,6 +30,7 @@
 #include "io/html_pages.hpp"
 #include "io/report_parts.hpp"
 #include "io/tree_files.hpp"
+#include "io/tree_levels.hpp"
 
 namespace spheretree::cli {
 namespace {
@@ -55,15 +56,9 @@ struct EvalOptions {
   bool json = false;
 };
 
-/// The balls of a level, as places in SphereTree::nodes(), breadth-first.
-struct LevelNodes {
-  std::vector<std::size_t> nodes;
-  std::size_t fromAbove = 0;  ///< how many of them lie above the level
-};
-
 struct EvaluatedLevel {
   LevelMetrics metrics;
-  std::vector<std::size_t> nodes;  ///< that were measured, as in LevelNodes
+  std::vector<std::size_t> nodes;  ///< that were measured, places in SphereTree::nodes()
   std::size_t fromAbove = 0;
   std::size_t worstNode = 0;  ///< the ball of the largest overhang, a place in SphereTree::nodes()
 };
@@ -75,22 +70,9 @@ struct Evaluation {
   bool boundMet = true;
 };
 
-LevelNodes nodesOf(const SphereTree& tree, std::size_t depth) {
-  LevelNodes level;
-  std::size_t place = 0;
-  for (std::size_t above = 0; above <= depth; ++above) {
-    for (const Node& node : tree.level(above)) {
-      if (above == depth || node.childCount == 0) level.nodes.push_back(place);
-      ++place;
-    }
-    if (above + 1 == depth) level.fromAbove = level.nodes.size();
-  }
-  return level;
-}
-
 EvaluatedLevel evaluateLevel(const medial::Surface& surface, const SphereTree& tree, std::size_t depth,
                              const medial::Context& context) {
-  LevelNodes level = nodesOf(tree, depth);
+  io::LevelNodes level = io::nodesAtLevel(tree, depth);
   std::vector<Node> nodes;
   for (const std::size_t place : level.nodes) nodes.push_back(tree.nodes()[place]);
   EvaluatedLevel result;

@@ -17,6 +17,7 @@
 
 #include "io/html/assets.hpp"
 #include "io/mesh_simplify.hpp"
+#include "io/pair_timing.hpp"
 
 namespace spheretree::io {
 namespace {
@@ -27,6 +28,10 @@ using Eigen::Vector3d;
 // More triangles than this make a page slow and large, and the picture no better.
 constexpr std::size_t kMostTriangles = 60'000;
 constexpr double kMostSteps = 65535;  // vertices have 16 bits along each axis of the mesh's box
+
+// Poses that a page's plot of speed is measured on: some tenths of a second, and the mean is steady.
+constexpr std::size_t kPoses = 200;
+constexpr std::uint64_t kPoseSeed = 1;
 
 constexpr const char* kNoHtml =
     "HTML reports need the packages libjs-three and libjs-chart.js, which were missing when this program was "
@@ -181,6 +186,15 @@ Json viewOf(const TreeView& view) {
           {"levels", std::move(levels)}};
 }
 
+/// Adds to each level of a report what queries down to it cost.
+void addCosts(Json& report, const SphereTree& tree, const medial::TriangleMesh& mesh) {
+  const std::vector<PairCost> costs = pairCosts(tree, closePoses(mesh, kPoses, kPoseSeed));
+  for (std::size_t k = 0; k < costs.size() && k < report["levels"].size(); ++k) {
+    report["levels"][k]["microseconds_per_close_pair"] = costs[k].microseconds;
+    report["levels"][k]["sphere_tests_per_close_pair"] = costs[k].sphereTests;
+  }
+}
+
 }  // namespace
 
 std::string whyNoHtml() {
@@ -189,8 +203,10 @@ std::string whyNoHtml() {
 
 Result<std::string> treePage(std::string_view reportJson, const TreeView& view) {
   if (!whyNoHtml().empty()) return notMade();
+  Json report = Json::parse(reportJson);
+  addCosts(report, view.tree, view.mesh);
   return filled(htmlAsset("tree_page.html"),
-                {{"report", embedded(Json::parse(reportJson))}, {"view", embedded(viewOf(view))}});
+                {{"report", embedded(report)}, {"view", embedded(viewOf(view))}});
 }
 
 Result<std::string> formatHtmlReport(const builders::BuildResult& build, const Provenance& provenance,

@@ -116,7 +116,7 @@
       return;
     }
     const series = ["done", "missed"].map((state, k) => ({
-      label: state, line: false, hue: Page.hue(k), radius: 4,
+      label: state, line: false, hue: k, radius: 4,
       points: drawn.filter((row) => row.asset.state === state).map((row) => ({
         x: row.last.spheres, y: row.last.overhang_worst_relative, note: row.asset.input})),
     })).filter((one) => one.points.length > 0);

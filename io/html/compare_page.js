@@ -16,7 +16,7 @@
   const look = (row) => {
     const family = done.filter((other) => other.builder === row.builder);
     const place = family.indexOf(row);
-    return {hue: Page.hue(builders.indexOf(row.builder)), mark: Page.mark(place), dash: [[], [7, 4], [2, 3], [9, 3, 2, 3]][place % 4]};
+    return {hue: builders.indexOf(row.builder), mark: Page.mark(place), dash: [[], [7, 4], [2, 3], [9, 3, 2, 3]][place % 4]};
   };
 
   function head() {

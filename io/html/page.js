@@ -103,8 +103,10 @@ const Page = (() => {
   const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 
   // Told apart with any kind of colour vision (Okabe, Ito 2008), readable on white and on black.
-  const kHues = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#8a63d2", "#7a7a7a"];
-  const hue = (index) => kHues[index % kHues.length];
+  const kHues = ["#0072b2", "#d55e00", "#009e73", "#b85c91", "#9a7000", "#3b93c4", "#8a63d2", "#6b6b6b"];
+  const kHuesInTheDark = ["#5fb4ee", "#ff9c52", "#3fd6a6", "#eaa3c9", "#e6bd55", "#a5d8f7", "#bda4f5", "#b5b5b5"];
+  const isDark = () => window.matchMedia("screen and (prefers-color-scheme: dark)").matches;
+  const hue = (index) => (isDark() ? kHuesInTheDark : kHues)[index % kHues.length];
   const kMarks = ["circle", "rect", "triangle", "rectRot", "star", "crossRot"];
   const mark = (index) => kMarks[Math.floor(index / kHues.length + index) % kMarks.length];
 
@@ -128,7 +130,10 @@ const Page = (() => {
     };
   }
 
-  /** A chart of points on two logarithmic axes. `series`: [{label, points: [{x, y, note}], line, hue, mark}]. */
+  /**
+   * A chart of points on two logarithmic axes. `series`: [{label, points: [{x, y, note}], line, dash, mark, radius,
+   * hue}], hue being a number of a colour.
+   */
   function scatter(canvas, {x, y, series, xText = short, yText = short, legend = true}) {
     const chart = new Chart(canvas, {
       type: "scatter",
@@ -137,11 +142,9 @@ const Page = (() => {
           label: one.label,
           data: one.points,
           showLine: one.line !== false,
-          stepped: one.stepped || false,
           borderDash: one.dash,
           borderWidth: 2,
-          borderColor: one.hue || hue(index),
-          backgroundColor: one.hue || hue(index),
+          hue: one.hue === undefined ? index : one.hue,
           pointStyle: one.mark || mark(index),
           pointRadius: one.radius === undefined ? 5 : one.radius,
           pointHoverRadius: 7,
@@ -170,6 +173,7 @@ const Page = (() => {
 
   function paint(chart) {
     chart.options.color = colour("ink");
+    for (const series of chart.data.datasets) series.borderColor = series.backgroundColor = hue(series.hue);
     for (const scale of Object.values(chart.options.scales)) {
       scale.grid = {color: colour("line"), borderColor: colour("soft")};
       scale.ticks.color = colour("soft");

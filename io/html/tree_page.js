@@ -34,7 +34,7 @@
       tile(percent(last.overhang_mean_relative), "mean overhang"),
       tile(short(last.volume_ratio, 4), "volume of the balls / of the solid"),
       tile(count(report.mesh.triangles), "triangles"));
-    if (total > 0) at("tiles").append(tile(seconds(total), "on " + report.threads + (report.threads === 1 ? " thread" : " threads")));
+    if (total > 0) at("tiles").append(tile(seconds(total), "on " + report.threads + (report.threads === 1 ? " thread" : " threads") + ", proofs included"));
   }
 
   const winnersText = (level) =>
@@ -251,7 +251,10 @@
     // The root hides what there is to see, and many balls are too small for a first look.
     const first = levels.findIndex((level) => level.spheres >= 30);
     choose(first < 0 ? levels.length - 1 : first);
-    Page.onColours(() => view.setMarks(Page.colour("bad"), Page.colour("accent")));
+    Page.onColours(() => {
+      view.setMarks(Page.colour("bad"), Page.colour("accent"));
+      recolour();
+    });
     view.resize();
     return choose;
   }

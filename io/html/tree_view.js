@@ -48,7 +48,7 @@ const kBallVertex = kVertexHead + `
   varying vec3 vTint;
   void main() {
     vec4 p = modelViewMatrix * vec4(position * ball.w + ball.xyz, 1.0);
-    vNormal = normalMatrix * position;
+    vNormal = normalMatrix * normalize(position);
     vView = -p.xyz;
     vTint = tint;
     gl_Position = projectionMatrix * p;
@@ -168,9 +168,10 @@ class TreeView {
       for (const object of this.balls.children) object.material.dispose();
     }
     // Few balls are large on the screen and want to look round; many are small.
-    const slices = level.count <= 100 ? 48 : level.count <= 1000 ? 24 : 12;
+    const slices = level.count <= 100 ? 64 : level.count <= 1000 ? 32 : 16;
     const geometry = new THREE.InstancedBufferGeometry();
-    const sphere = new THREE.SphereBufferGeometry(1, slices, slices / 2);
+    // Around the ball, not in it: what the ball holds must not look out between the corners.
+    const sphere = new THREE.SphereBufferGeometry(1 / Math.cos(Math.PI / slices), slices, slices / 2);
     geometry.setIndex(sphere.index);
     geometry.setAttribute("position", sphere.attributes.position);
     geometry.setAttribute("ball", new THREE.InstancedBufferAttribute(level.balls, 4));
@@ -217,7 +218,7 @@ class TreeView {
   reset() {
     this.yaw = 0.55;
     this.pitch = 0.3;
-    this.distance = 2.35;
+    this.distance = 1.95;
     this.target = new THREE.Vector3(0, 0, 0);
     this.draw();
   }

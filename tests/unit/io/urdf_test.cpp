@@ -109,7 +109,7 @@ TEST_F(Robot, ASphereStaysAsItIs) {
   ASSERT_TRUE(robot) << robot.error().message;
   EXPECT_EQ(robot->urdf, contentOf(in("r.urdf")));
   ASSERT_EQ(robot->links().size(), 1U);
-  const medial::Ball& ball = robot->links()[0].balls.at(0);
+  const medial::Ball ball = robot->links()[0].balls.at(0);
   EXPECT_EQ(ball.center, Vector3d(1, 2, 3));
   EXPECT_EQ(ball.radius, 0.25);
 }
