@@ -143,8 +143,9 @@ Command setupUrdf(CLI::App& program) {
          [options](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) addPackage(options->settings, text);
          },
-         "Where package://NAME/ is; repeatable. Otherwise ROS_PACKAGE_PATH and the folders above ROBOT")
-      ->type_name("NAME=FOLDER")
+         "NAME=FOLDER, where package://NAME/ is; repeatable. Otherwise ROS_PACKAGE_PATH and the folders "
+         "above ROBOT")
+      ->type_name("PACKAGE")
       ->allow_extra_args(false)
       ->configurable(false)
       ->group("Robot");

@@ -45,10 +45,16 @@
     return element("a", {href: address(row.asset.page), "aria-hidden": "true", tabindex: "-1"}, svg);
   }
 
+  /** With the reason below it when there is one. */
+  function name(row) {
+    const {input, page, reason} = row.asset;
+    const title = page ? element("a", {href: address(page)}, input) : input;
+    return element("div", {}, title, reason ? element("div", {class: "note"}, reason) : "");
+  }
+
   function table() {
     const columns = [
-      {title: "asset", kind: "text", sort: (row) => row.asset.input, cell: (row) =>
-        row.asset.page ? element("a", {href: address(row.asset.page)}, row.asset.input) : row.asset.input},
+      {title: "asset", kind: "asset", sort: (row) => row.asset.input, cell: name},
       {title: "state", kind: "text", sort: (row) => row.asset.state, cell: (row) =>
         element("span", {class: "state " + (kStates[row.asset.state] || "")}, row.asset.state)},
       {title: "triangles", sort: (row) => row.asset.mesh && row.asset.mesh.triangles,
@@ -66,9 +72,6 @@
       {title: "memory", sort: (row) => row.run.peak_memory_bytes, cell: (row) => bytes(row.run.peak_memory_bytes)},
     ];
     if (rows.some((row) => row.thumbnail)) columns.splice(1, 0, {title: "", kind: "text", cell: picture});
-    if (rows.some((row) => row.asset.reason)) {
-      columns.push({title: "reason", kind: "wide", sort: (row) => row.asset.reason, cell: (row) => row.asset.reason || ""});
-    }
     return Page.fillTable(at("assets"), columns, rows);
   }
 

@@ -20,8 +20,8 @@ from selenium.webdriver.common.keys import Keys
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 WORK = pathlib.Path(sys.argv[2]).resolve()
-# A page is to be usable within 2 s on an idle machine; this one may be busy.
-MOST_MILLISECONDS = 8000
+# A page is to be usable within 2 s. That is of the processor's time: the machine may be busy with other things.
+MOST_SECONDS = 2
 MOST_BYTES = 3_000_000
 
 
@@ -102,6 +102,11 @@ class Pages(unittest.TestCase):
         self.settle()
         return self.driver.execute_script("return document.querySelector('#picture canvas').toDataURL()")
 
+    def processor_seconds(self):
+        """What the process of the page has used so far; a page that is opened anew may begin at 0 again."""
+        metrics = self.driver.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
+        return next(metric["value"] for metric in metrics if metric["name"] == "ProcessTime")
+
     def drawn(self):
         """How many pixels of the 3D view show something."""
         return self.driver.execute_script("""
@@ -140,13 +145,16 @@ class Pages(unittest.TestCase):
     # --- the page of a tree ---
 
     def test_opens_quickly_and_is_small(self):
-        times = []
+        self.driver.execute_cdp_cmd("Performance.enable", {"timeDomain": "threadTicks"})
+        walls, spents = [], []
         for _ in range(3):
+            before = self.processor_seconds()
             self.open("torus.html")
-            times.append(int(self.driver.execute_script("return document.documentElement.dataset.interactiveMs")))
+            walls.append(int(self.driver.execute_script("return document.documentElement.dataset.interactiveMs")))
+            spents.append(self.processor_seconds() - before)
         size = (WORK / "torus.html").stat().st_size
-        print(f"interactive after {min(times)} ms (of {times}), {size / 1e6:.2f} MB")
-        self.assertLess(min(times), MOST_MILLISECONDS)
+        print(f"interactive after {min(walls)} ms (of {walls}), {min(spents):.2f} s of processor time, {size / 1e6:.2f} MB")
+        self.assertLess(min(spents), MOST_SECONDS)
         self.assertLess(size, MOST_BYTES)
         self.assert_sound()
         text = (WORK / "torus.html").read_text()
@@ -184,12 +192,12 @@ class Pages(unittest.TestCase):
         self.open("torus.html")
         picture = self.at("picture")
         views = [self.picture()]
-        for key in (Keys.ARROW_LEFT, Keys.ARROW_UP, "+", "1", "3"):
+        for key in (Keys.ARROW_LEFT, Keys.ARROW_UP, "+", "1", "2"):
             self.driver.execute_script("arguments[0].focus()", picture)
             picture.send_keys(key)
             views.append(self.picture())
         self.assertEqual(len(set(views)), len(views))
-        self.assertTrue(self.at("level-out").text.startswith("3:"))
+        self.assertTrue(self.at("level-out").text.startswith("2:"))
         reached = set()
         body = self.driver.find_element(By.TAG_NAME, "body")
         body.send_keys(Keys.TAB)
@@ -224,17 +232,19 @@ class Pages(unittest.TestCase):
         for name in report["levels"][level]["winners"]:
             self.assertIn(name, self.at("legend").text)
 
-    def test_a_click_picks_the_ball_in_front(self):
+    def test_a_click_picks_a_ball_where_there_is_one(self):
         self.open("torus.html")
-        # Beside the hole of the torus there is a ball for sure: the middle of the worst one, seen from its side.
-        self.at("worst").click()
-        chosen = self.at("ball").text
-        self.driver.execute_script("document.getElementById('reset').click()")
-        self.assertNotEqual(self.at("ball").text, chosen)
-        self.at("worst").click()
+        self.at("worst").click()  # turns it into the middle of the picture
+        self.driver.execute_script("document.getElementById('next').click()")
+        stepped = self.at("ball").text
+        self.driver.execute_script("document.getElementById('worst').click()")
         self.settle()
-        webdriver.ActionChains(self.driver).move_to_element_with_offset(self.at("picture"), 2 - 300, 0).click().perform()
+        mouse = webdriver.ActionChains(self.driver)
+        mouse.move_to_element_with_offset(self.at("picture"), 10 - self.at("picture").size["width"] // 2, 0).click().perform()
         self.assertIn("Click a ball", self.at("ball").text)  # there is nothing at the edge
+        mouse.move_to_element(self.at("picture")).click().perform()
+        self.assertRegex(self.at("ball").text, r"Ball \d+ of")
+        self.assertNotEqual(self.at("ball").text, stepped)
 
     def test_can_be_read_in_the_dark_and_on_paper(self):
         seen = {}
@@ -267,7 +277,7 @@ class Pages(unittest.TestCase):
         (WORK / "assets").mkdir()
         for name in ("torus.obj", "ring & <more>.obj", "broken.obj"):
             shutil.copy(WORK / name, WORK / "assets" / name)
-        run("batch", "assets", "-o", "out", "--quality", "fast", "--levels", 3, "--pages", codes=range(1, 7))
+        run("batch", "assets", "-o", "out", "--quality", "fast", "--levels", 3, "--pages", codes=(7,))
         self.open("out/summary.html")
         names = lambda: [row.find_element(By.TAG_NAME, "th").text for row in
                          self.driver.find_elements(By.CSS_SELECTOR, "#assets tbody tr") if row.is_displayed()]
