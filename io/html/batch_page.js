@@ -49,7 +49,9 @@
   function name(row) {
     const {input, page, reason} = row.asset;
     const title = page ? element("a", {href: address(page)}, input) : input;
-    return element("div", {}, title, reason ? element("div", {class: "note"}, reason) : "");
+    // The sentence begins with the name of the file, which stands above it.
+    const why = reason && reason.startsWith(input + ": ") ? reason.slice(input.length + 2) : reason;
+    return element("div", {}, title, why ? element("div", {class: "note"}, why) : "");
   }
 
   function table() {
