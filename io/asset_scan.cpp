@@ -37,7 +37,8 @@ constexpr std::uint64_t kMostGltf = std::uint64_t{1} << 28;  // of JSON that is 
 // Bytes a triangle takes, from files of Debian's model packages. Only an order of magnitude is wanted.
 constexpr std::uint64_t kBinaryStlHeader = 84;
 constexpr std::uint64_t kBinaryStlTriangle = 50;
-constexpr std::uint64_t kTextTriangle = 200;  // ASCII STL and other text with normals
+constexpr std::uint64_t kTextTriangle = 200;      // ASCII STL and other text with normals
+constexpr std::uint64_t kShortTextTriangle = 50;  // half a vertex and three indices
 constexpr std::uint64_t kBinaryTriangle = 40;
 
 struct FreeState {
@@ -110,7 +111,8 @@ std::uint64_t guessTriangles(const fs::path& path, const Pass& pass) {
   if (ending == ".ply") said = numberAfter(pass.head, "element face");
   // A lie in a header must not reserve more than the file's bytes could need.
   if (said) return std::min(*said, pass.bytes);
-  if (ending == ".dae" || ending == ".gltf" || ending == ".off") return pass.bytes / kTextTriangle;
+  if (ending == ".off") return pass.bytes / kShortTextTriangle;
+  if (ending == ".dae" || ending == ".gltf") return pass.bytes / kTextTriangle;
   return pass.bytes / kBinaryTriangle;
 }
 

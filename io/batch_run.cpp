@@ -44,8 +44,8 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
 // Peak resident memory of builds at all qualities: docs/batch.md has the measurements.
-constexpr std::uint64_t kBaseMemory = std::uint64_t{60} << 20;
-constexpr std::uint64_t kMemoryPerTriangle = 12'000;
+constexpr std::uint64_t kBaseMemory = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMemoryPerTriangle = 4'000;
 constexpr std::uint64_t kReserve = 2;  // of the estimate: it may be wrong by that
 // Reserved besides, for stacks and the allocator's pools, which are mapped but not touched.
 constexpr std::uint64_t kReservePerThread = std::uint64_t{80} << 20;
@@ -211,9 +211,12 @@ Trouble troubleOf(ErrorCode code) {
   }
 }
 
-bool saysNoMemory(const std::string& text) {
-  return text.find("out of memory") != std::string::npos ||
-         text.find("not enough memory") != std::string::npos || text.find("bad_alloc") != std::string::npos;
+bool saysNoMemory(const std::string& words) {
+  const std::string text = lowerCase(words);
+  // The last is OpenMP's way to say it: there is no room for another stack.
+  for (const char* sign : {"out of memory", "not enough memory", "bad_alloc", "thread creation failed"})
+    if (text.find(sign) != std::string::npos) return true;
+  return false;
 }
 
 /// What the end of a child says when it is not a built asset.
@@ -233,7 +236,8 @@ Problem problemOf(const ChildEnd& end, const BatchAsset& asset, const Result<Bui
   }
   if (end.signal == SIGKILL)
     return {Trouble::OutOfMemory, name + "was killed, most likely because the machine ran out of memory"};
-  if (end.signal == SIGABRT && saysNoMemory(end.complaint)) return noMemory;
+  if ((end.signal == 0 || end.signal == SIGABRT) && saysNoMemory(end.complaint)) return noMemory;
+  if (end.signal == 0) return {Trouble::Crashed, name + "a library ended the build: " + end.complaint};
   // An address in the text would differ from run to run; only an assertion's words are worth repeating.
   const std::string words = end.signal == SIGABRT && !end.complaint.empty() ? ": " + end.complaint : "";
   return {Trouble::Crashed, name + "the build crashed with " + signalName(end.signal) + words};

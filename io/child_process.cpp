@@ -31,10 +31,10 @@
 namespace spheretree::io {
 namespace {
 
-// Exit codes of the child, known to finish() only.
-constexpr int kFinished = 0;
-constexpr int kThrew = 1;
-constexpr int kNoRoom = 2;  // the result could not be handed over
+// Exit codes of the child, known to finish() only, and not those with which libraries end a process.
+constexpr int kFinished = 90;
+constexpr int kThrew = 91;
+constexpr int kNoRoom = 92;  // the result could not be handed over
 
 constexpr off_t kComplaintRead = 4096;          // of the end of standard error: a line is wanted
 constexpr std::size_t kComplaintWidth = 300;    // of that line: it becomes part of a sentence

@@ -15,7 +15,7 @@ namespace spheretree::io {
 struct ChildEnd {
   bool finished = false;              ///< `work` returned; `bytes` is what it gave
   bool threw = false;                 ///< `work` ran out of memory or threw
-  int signal = 0;                     ///< what killed it, 0 when it ended by itself
+  int signal = 0;                     ///< what killed it, 0 when it, or a library in it, ended the process
   std::string bytes;                  ///< what `work` returned, or what it threw
   std::string complaint;              ///< the last line that it (a library in it) wrote to standard error
   std::uint64_t peakMemoryBytes = 0;  ///< its largest resident set

@@ -3,7 +3,7 @@
 #
 # completion_test.sh PROGRAM COMPLETION: what a shell would offer.
 set -euo pipefail
-readonly tested=$1
+tested=$(realpath "$1")
 # shellcheck source=/dev/null
 source "$2"
 
