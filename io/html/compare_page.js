@@ -11,12 +11,13 @@
   const failed = comparison.rows.filter((row) => row.state !== "done");
   const mesh = comparison.mesh;
 
-  // Qualities of one builder share its colour and differ in mark and dashes.
+  // Qualities of one builder share its colour and mark, and differ in dashes.
   const builders = [...new Set(done.map((row) => row.builder))];
   const look = (row) => {
     const family = done.filter((other) => other.builder === row.builder);
     const place = family.indexOf(row);
-    return {hue: builders.indexOf(row.builder), mark: Page.mark(place), dash: [[], [7, 4], [2, 3], [9, 3, 2, 3]][place % 4]};
+    const builder = builders.indexOf(row.builder);
+    return {hue: builder, mark: Page.mark(builder), dash: [[], [7, 4], [2, 3], [9, 3, 2, 3]][place % 4]};
   };
 
   function head() {

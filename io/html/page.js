@@ -107,8 +107,8 @@ const Page = (() => {
   const kHuesInTheDark = ["#5fb4ee", "#ff9c52", "#3fd6a6", "#eaa3c9", "#e6bd55", "#a5d8f7", "#bda4f5", "#b5b5b5"];
   const isDark = () => window.matchMedia("screen and (prefers-color-scheme: dark)").matches;
   const hue = (index) => (isDark() ? kHuesInTheDark : kHues)[index % kHues.length];
-  const kMarks = ["circle", "rect", "triangle", "rectRot", "star", "crossRot"];
-  const mark = (index) => kMarks[Math.floor(index / kHues.length + index) % kMarks.length];
+  const kMarks = ["circle", "rect", "triangle", "rectRot", "star", "crossRot", "cross", "rectRounded"];
+  const mark = (index) => kMarks[index % kMarks.length];
 
   // --- charts ---
 
