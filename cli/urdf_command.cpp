@@ -143,8 +143,8 @@ Command setupUrdf(CLI::App& program) {
          [options](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) addPackage(options->settings, text);
          },
-         "NAME=FOLDER, where package://NAME/ is; repeatable. Otherwise ROS_PACKAGE_PATH and the folders "
-         "above ROBOT")
+         "Where a package is: its name, an equals sign, its folder; repeatable. Otherwise ROS_PACKAGE_PATH "
+         "and the folders above ROBOT")
       ->type_name("PACKAGE")
       ->allow_extra_args(false)
       ->configurable(false)
@@ -171,7 +171,7 @@ Command setupUrdf(CLI::App& program) {
   addThreads(*app, options->threads)->configurable()->group("Run");
   addVerbosity(*app, options->verbosity);
   app->callback([app, options] { checkSettings(*app, options->settings.build, options->config); });
-  app->footer("Example: spheretree urdf arm.urdf -o arm-spheres.urdf --package arm_description=.");
+  app->footer("Example: spheretree urdf arm.urdf -o arm-spheres.urdf --branch 64");
   return {app, [app, options] {
             if (!options->config.print) return runUrdf(*options);
             print(configText(*app));
