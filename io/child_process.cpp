@@ -51,6 +51,15 @@ struct Ends {
   int alive = -1;
 };
 
+// Sanitizers map terabytes that they never touch: no bound on allocations can be kept then.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kBoundable = false;
+#elif defined(__has_feature)
+constexpr bool kBoundable = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
+#else
+constexpr bool kBoundable = true;
+#endif
+
 Error noProcess(const char* what) {
   return {ErrorCode::Internal,
           std::string("cannot start a process: ") + what + ": " + std::generic_category().message(errno)};
@@ -113,7 +122,7 @@ void settleChild(pid_t parent, const Ends& ends, std::uint64_t memoryBytes) {
   ::close_range(kAlive + 1, std::numeric_limits<unsigned>::max(), 0);
   const rlimit noCore{0, 0};
   ::setrlimit(RLIMIT_CORE, &noCore);  // no surprise files
-  if (memoryBytes > 0) {
+  if (kBoundable && memoryBytes > 0) {
     const rlimit most{memoryBytes, memoryBytes};
     ::setrlimit(RLIMIT_DATA, &most);
   }

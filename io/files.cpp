@@ -263,7 +263,8 @@ std::size_t removeLeftovers(std::span<const fs::path> targets) {
       const std::string name = it->path().filename().string();
       const std::size_t mark = name.rfind(kTemporaryMark);
       if (name.front() != '.' || mark == std::string::npos) continue;
-      if (stems.count(folder / name.substr(0, mark + kTemporaryMark.size())) > 0) leftovers.push_back(it->path());
+      if (stems.count(folder / name.substr(0, mark + kTemporaryMark.size())) > 0)
+        leftovers.push_back(it->path());
     }
   }
   std::size_t removed = 0;
