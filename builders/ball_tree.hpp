@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct BallTree {
   struct Node {
     medial::Ball ball;
     std::uint32_t parent = 0;  ///< index in the level above; 0 for the root
+    std::string_view maker{};  ///< name of the catalogue; empty: not a choice among children (root, repeated)
   };
 
   /// levels[0] is the root alone; children stand in the order of their parents.

@@ -165,7 +165,8 @@ Result<BuildResult> build(const medial::Surface& surface, const BuildSettings& s
   for (std::size_t depth = 0; depth < tree->levelCount(); ++depth) {
     context.report("measure", static_cast<double>(depth) / static_cast<double>(tree->levelCount()));
     report.levels.push_back(
-        {measureLevel(surface, ballsOf(tree->level(depth)), context), balls.winners[depth]});
+        {measureLevel(surface, ballsOf(tree->level(depth)), context), balls.winners[depth], {}});
+    for (const BallTree::Node& node : balls.levels[depth]) report.levels.back().makers.push_back(node.maker);
   }
   if (report.solidChains.certified) {
     // A chain through every level for every point of the solid: each level covers it.

@@ -14,6 +14,8 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -80,6 +82,7 @@ struct Region {
 struct Node {
   Fit fit;
   std::uint32_t parent = 0;
+  std::string_view maker{};
 };
 
 /// A ball of the last level so far, with what the next one is made from.
@@ -228,7 +231,7 @@ class LevelDriver {
     for (const std::vector<Node>& level : levels_) {
       tree.levels.emplace_back();
       for (const Node& node : level) {
-        tree.levels.back().push_back({{node.fit.center.at, node.fit.reach}, node.parent});
+        tree.levels.back().push_back({{node.fit.center.at, node.fit.reach}, node.parent, node.maker});
       }
     }
     tree.winners = std::move(winners_);
@@ -683,7 +686,7 @@ class LevelDriver {
       }
       for (LevelBall& ball : proposal.balls) {
         OpenNode child;
-        child.node = {ball.fit, i};
+        child.node = {ball.fit, i, proposal.refined ? reducers_[proposal.winner].name : std::string_view()};
         child.axis = proposal.axis;
         child.winner = proposal.winner;
         for (const std::uint32_t piece : ball.pieces) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,7 @@ using Polygon = std::vector<Vector3d>;
 struct OctreeNode {
   medial::Ball ball;
   std::uint32_t parent = 0;
+  std::string_view maker{};
   AlignedBox3d cell;
   std::vector<Polygon> surface;  // the part of the surface in the cell; empty: the cell is inside the solid
 };
@@ -131,7 +133,7 @@ std::vector<OctreeNode> splitNode(const Surface& surface, const BuildSettings& s
                                 Vector3d(at[0][x + 1], at[1][y + 1], at[2][z + 1]));
         const bool kept =
             !cells[x].empty() || (settings.cover == Cover::Solid && surface.inside(cell.center()));
-        if (kept) children.push_back({circumscribed(cell), 0, cell, std::move(cells[x])});
+        if (kept) children.push_back({circumscribed(cell), 0, "octree", cell, std::move(cells[x])});
       }
     }
   }
@@ -161,7 +163,7 @@ BallTree buildOctree(const Surface& surface, const BuildSettings& settings, cons
   level.push_back(makeRoot(surface));
   for (std::uint32_t depth = 0;; ++depth) {
     tree.levels.emplace_back();
-    for (const OctreeNode& node : level) tree.levels.back().push_back({node.ball, node.parent});
+    for (const OctreeNode& node : level) tree.levels.back().push_back({node.ball, node.parent, node.maker});
     if (depth == 0) tree.winners.emplace_back();
     if (depth + 1 >= settings.levels) break;
 
@@ -181,6 +183,7 @@ BallTree buildOctree(const Surface& surface, const BuildSettings& settings, cons
     for (std::uint32_t i = 0; i < children.size(); ++i) {
       for (OctreeNode& child : children[i]) {
         child.parent = i;
+        if (refined[i] == 0) child.maker = "";
         next.push_back(std::move(child));
       }
     }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct LevelReport {
   LevelMetrics metrics;
   /// How many sets of this level each reducer won, by name, in the order of the catalogue.
   std::vector<std::pair<std::string, std::size_t>> winners;
+  /// Per ball, whose set it belongs to: a name of the catalogue, empty for the root and for balls that stand
+  /// for themselves again.
+  std::vector<std::string_view> makers{};
 };
 
 /// What there is to say about a build besides the tree itself.

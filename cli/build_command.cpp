@@ -21,6 +21,7 @@
 #include "cli/outputs.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/solid_input.hpp"
+#include "io/html_pages.hpp"
 #include "io/medial_dump.hpp"
 #include "io/report_parts.hpp"
 #include "io/tree_files.hpp"
@@ -55,15 +56,23 @@ std::vector<fs::path> outputPaths(const BuildOptions& options) {
   return paths;
 }
 
+Result<std::string> formatReport(const std::string& ending, const BuildResult& build,
+                                 const io::Provenance& provenance, const medial::Surface& surface) {
+  if (ending == ".csv") return io::formatCsvReport(build, provenance);
+  if (ending == ".html") return io::formatHtmlReport(build, provenance, surface);
+  return io::formatJsonReport(build, provenance);
+}
+
 Result<std::vector<Output>> format(const BuildResult& build, const io::Provenance& provenance,
-                                   const BuildOptions& options) {
+                                   const medial::Surface& surface, const BuildOptions& options) {
   Result<std::string> tree = io::formatTree(build, provenance);
   if (!tree) return tree.error();
   std::vector<Output> outputs;
   outputs.push_back({options.output, std::move(*tree)});
   for (const std::string& report : options.reports) {
-    outputs.push_back({report, endingOf(report) == ".csv" ? io::formatCsvReport(build, provenance)
-                                                          : io::formatJsonReport(build, provenance)});
+    Result<std::string> text = formatReport(endingOf(report), build, provenance, surface);
+    if (!text) return text.error();
+    outputs.push_back({report, std::move(*text)});
   }
   return outputs;
 }
@@ -169,7 +178,7 @@ ExitCode runBuild(const BuildOptions& options) {
     warn(sentence);
   if (options.verbosity == Verbosity::Verbose) remarkTimes(build->report);
 
-  Result<std::vector<Output>> outputs = format(*build, provenance, options);
+  Result<std::vector<Output>> outputs = format(*build, provenance, input->surface, options);
   if (!outputs) return fail({outputs.error().code, options.output + ": " + outputs.error().message});
   if (!options.medialDump.empty()) {
     const Result<medial::MedialAxis> axis =

@@ -19,10 +19,14 @@ struct Command {
 };
 
 // One file each. They add themselves to the program's parser.
+Command setupBatch(CLI::App& program);
 Command setupBuild(CLI::App& program);
+Command setupCompare(CLI::App& program);
 Command setupEval(CLI::App& program);
+Command setupExport(CLI::App& program);
 Command setupInfo(CLI::App& program);
 Command setupList(CLI::App& program);
 Command setupMesh(CLI::App& program);
+Command setupUrdf(CLI::App& program);
 
 }  // namespace spheretree::cli

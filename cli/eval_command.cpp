@@ -27,8 +27,10 @@
 #include "cli/outputs.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/solid_input.hpp"
+#include "io/html_pages.hpp"
 #include "io/report_parts.hpp"
 #include "io/tree_files.hpp"
+#include "io/tree_levels.hpp"
 
 namespace spheretree::cli {
 namespace {
@@ -54,14 +56,9 @@ struct EvalOptions {
   bool json = false;
 };
 
-/// The balls of a level, as places in SphereTree::nodes(), breadth-first.
-struct LevelNodes {
-  std::vector<std::size_t> nodes;
-  std::size_t fromAbove = 0;  ///< how many of them lie above the level
-};
-
 struct EvaluatedLevel {
   LevelMetrics metrics;
+  std::vector<std::size_t> nodes;  ///< that were measured, places in SphereTree::nodes()
   std::size_t fromAbove = 0;
   std::size_t worstNode = 0;  ///< the ball of the largest overhang, a place in SphereTree::nodes()
 };
@@ -73,28 +70,16 @@ struct Evaluation {
   bool boundMet = true;
 };
 
-LevelNodes nodesOf(const SphereTree& tree, std::size_t depth) {
-  LevelNodes level;
-  std::size_t place = 0;
-  for (std::size_t above = 0; above <= depth; ++above) {
-    for (const Node& node : tree.level(above)) {
-      if (above == depth || node.childCount == 0) level.nodes.push_back(place);
-      ++place;
-    }
-    if (above + 1 == depth) level.fromAbove = level.nodes.size();
-  }
-  return level;
-}
-
 EvaluatedLevel evaluateLevel(const medial::Surface& surface, const SphereTree& tree, std::size_t depth,
                              const medial::Context& context) {
-  const LevelNodes level = nodesOf(tree, depth);
+  io::LevelNodes level = io::nodesAtLevel(tree, depth);
   std::vector<Node> nodes;
   for (const std::size_t place : level.nodes) nodes.push_back(tree.nodes()[place]);
   EvaluatedLevel result;
   result.metrics = builders::measureLevel(surface, builders::ballsOf(nodes), context);
   result.fromAbove = level.fromAbove;
   result.worstNode = level.nodes.at(result.metrics.worstBall);
+  result.nodes = std::move(level.nodes);
   return result;
 }
 
@@ -171,6 +156,19 @@ std::string asCsv(const Subject& s) {
   return text;
 }
 
+Result<std::string> asHtml(const Subject& s) {
+  io::TreeView view{s.input.surface.mesh(), s.file.tree, {}};
+  for (const EvaluatedLevel& level : s.evaluation.levels)
+    view.levels.push_back({level.nodes, level.metrics.ballOverhang, {}});
+  return io::treePage(asJson(s), view);
+}
+
+Result<std::string> formatReport(const std::string& ending, const Subject& s) {
+  if (ending == ".csv") return asCsv(s);
+  if (ending == ".html") return asHtml(s);
+  return asJson(s);
+}
+
 std::string describeChains(const Evaluation& evaluation) {
   const ChainProof& proof = evaluation.surfaceChains;
   if (!proof.certified) {
@@ -201,8 +199,11 @@ std::string asText(const Subject& s) {
 
 ExitCode present(const Subject& s) {
   std::vector<Output> outputs;
-  for (const std::string& report : s.options.reports)
-    outputs.push_back({report, endingOf(report) == ".csv" ? asCsv(s) : asJson(s)});
+  for (const std::string& report : s.options.reports) {
+    Result<std::string> text = formatReport(endingOf(report), s);
+    if (!text) return fail(text.error());
+    outputs.push_back({report, std::move(*text)});
+  }
   if (const Result<Done> written = writeOutputs(outputs, s.options.overwrite); !written)
     return fail(written.error());
   print(s.options.json ? asJson(s) : asText(s));

@@ -14,6 +14,7 @@ enum class ExitCode : int {
   UnsuitableMesh = 4,
   ErrorBoundMissed = 5,
   UnwritableOutput = 6,
+  SomeFailed = 7,  ///< batch: at least one asset has no tree; the others are done
   Cancelled = 130  ///< 128 + SIGINT, as shells count
 };
 

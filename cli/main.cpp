@@ -22,7 +22,8 @@ namespace {
 
 constexpr const char* kExitCodes =
     "Exit codes: 0 done, 1 our fault, 2 usage, 3 input cannot be read, 4 mesh not suitable,\n"
-    "5 built but --max-error missed, 6 output cannot be written, 130 cancelled.\n"
+    "5 built but --max-error missed, 6 output cannot be written, 7 an asset of a batch failed, 130 "
+    "cancelled.\n"
     "Results go to standard output, everything else to standard error.";
 
 constexpr std::size_t kOptionColumn = 44;  // where the help's descriptions begin
@@ -56,8 +57,9 @@ ExitCode parseAndRun(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(kExitCodes);
   program.get_formatter()->column_width(kOptionColumn);
-  const std::vector<Command> commands = {setupBuild(program), setupEval(program), setupInfo(program),
-                                         setupList(program), setupMesh(program)};
+  const std::vector<Command> commands = {setupBuild(program),   setupBatch(program),  setupEval(program),
+                                         setupCompare(program), setupExport(program), setupInfo(program),
+                                         setupList(program),    setupMesh(program),   setupUrdf(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& why) {

@@ -6,7 +6,6 @@
 #include "cli/options.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -21,6 +20,7 @@
 
 #include "builders/catalogue.hpp"
 #include "builders/settings_use.hpp"
+#include "io/html_pages.hpp"
 #include "io/report_parts.hpp"
 
 namespace spheretree::cli {
@@ -138,9 +138,10 @@ void readConfig(CLI::App& app, ConfigFile& config, const std::string& path) {
 }
 
 std::string whyNoReport(const std::string& path) {
-  const std::string ending = endingOf(path);
+  const std::string ending = io::endingOf(path);
   if (ending == ".json" || ending == ".csv") return {};
-  return path + ": a report is written as .json or .csv, not as " +
+  if (ending == ".html") return io::whyNoHtml().empty() ? "" : path + ": " + io::whyNoHtml();
+  return path + ": a report is written as .json, .csv or .html, not as " +
          (ending.empty() ? "a file without ending" : ending);
 }
 
@@ -160,16 +161,10 @@ std::string whyNotPositive(const std::string& text) {
   return "'" + text + "' is not a number above 0";
 }
 
-std::string lowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
-}
-
 /// The words of a list, in lower case and without the blanks around them.
 std::vector<std::string> wordsOf(const std::string& list) {
   std::vector<std::string> words = CLI::detail::split(list, ',');
-  for (std::string& word : words) word = lowerCase(CLI::detail::trim_copy(word));
+  for (std::string& word : words) word = io::lowerCase(CLI::detail::trim_copy(word));
   return words;
 }
 
@@ -320,6 +315,17 @@ CLI::Option* addThreads(CLI::App& app, unsigned& threads) {
   return option->configurable(false);
 }
 
+CLI::Option* addCount(CLI::App& app, const std::string& flag, std::size_t& target, std::size_t least,
+                      std::size_t most, const std::string& description) {
+  return addNumber(app, flag, target, least, most, description)->configurable(false);
+}
+
+CLI::Option* addJobs(CLI::App& app, unsigned& jobs) {
+  CLI::Option* option = addNumber(app, "--jobs", jobs, 0U, kMostThreads,
+                                  "Assets at once; 0: as many as threads. Never changes a result");
+  return option->configurable(false);
+}
+
 CLI::Option* addForce(CLI::App& app, io::Overwrite& overwrite) {
   return app
       .add_flag_callback(
@@ -334,10 +340,6 @@ CLI::Option* addReports(CLI::App& app, std::vector<std::string>& reports) {
       ->allow_extra_args(false)
       ->check(whyNoReport)
       ->configurable(false);
-}
-
-std::string endingOf(const std::string& path) {
-  return lowerCase(std::filesystem::path(path).extension().string());
 }
 
 CLI::Option* requireFraction(CLI::Option* option) {

@@ -79,13 +79,18 @@ void checkSettings(const CLI::App& app, const builders::BuildSettings& settings,
 
 CLI::Option* addRepair(CLI::App& app, io::Repair& rule);
 CLI::Option* addThreads(CLI::App& app, unsigned& threads);
+/// A whole number between `least` and `most`.
+CLI::Option* addCount(CLI::App& app, const std::string& flag, std::size_t& target, std::size_t least,
+                      std::size_t most, const std::string& description);
+
+/// `--jobs`: how many assets at once.
+CLI::Option* addJobs(CLI::App& app, unsigned& jobs);
 CLI::Option* addForce(CLI::App& app, io::Overwrite& overwrite);
 
 /// `--report FILE.json|FILE.csv`, repeatable.
 CLI::Option* addReports(CLI::App& app, std::vector<std::string>& reports);
 
-/// The extension with its dot, in lower case.
-[[nodiscard]] std::string endingOf(const std::string& path);
+using io::endingOf;
 
 /// A value in [0, 1].
 CLI::Option* requireFraction(CLI::Option* option);

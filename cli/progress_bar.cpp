@@ -31,7 +31,7 @@ void ProgressBar::wipe() {
   width_ = 0;
 }
 
-void ProgressBar::draw(std::string_view stage, double fraction) noexcept {
+void ProgressBar::draw(std::string_view stage, double fraction, std::string_view note) noexcept {
   const Clock::time_point now = Clock::now();
   if (stage == stage_ && now - last_ < kBetweenDrawings) return;
   try {
@@ -44,7 +44,10 @@ void ProgressBar::draw(std::string_view stage, double fraction) noexcept {
     line += std::string(kStageWidth - std::min(kStageWidth, stage_.size()), ' ');
     line += " [" + std::string(filled, '#') + std::string(kBarWidth - filled, '.') + "] " +
             std::to_string(percent) + " % ";
-    width_ = std::max(width_, line.size() - 1);
+    line += note;
+    const std::size_t width = line.size() - 1;
+    if (width < width_) line += std::string(width_ - width, ' ');  // over the end of a longer line
+    width_ = std::max(width_, width);
     std::fwrite(line.data(), 1, line.size(), stderr);
   } catch (...) {  // no memory for a line of text: a job must not die of its progress bar
   }

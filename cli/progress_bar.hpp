@@ -23,13 +23,16 @@ class ProgressBar {
   /// What to give to a Context; empty when nothing is to be drawn.
   [[nodiscard]] medial::Context::Progress callback();
 
+  [[nodiscard]] bool shown() const noexcept { return shown_; }
+
+  /// Draws the line, not more often than an eye cares. `note` stands behind the bar.
+  void draw(std::string_view stage, double fraction, std::string_view note = {}) noexcept;
+
   /// Makes room for other text.
   void wipe();
 
  private:
   using Clock = std::chrono::steady_clock;
-
-  void draw(std::string_view stage, double fraction) noexcept;
 
   bool shown_;
   std::size_t width_ = 0;  // characters on the line now

@@ -13,11 +13,16 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <utility>
+#include <vector>
+
+#include "io/hash_text.hpp"
 
 namespace spheretree::io {
 namespace {
@@ -27,6 +32,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kReadChunk = std::size_t{1} << 20;
 // A file name holds 255 bytes; this much of it is repeated in the temporary name, the rest is for the suffix.
 constexpr std::size_t kNameInTemporary = 200;
+constexpr std::string_view kTemporaryMark = ".tmp-";
 // Leftovers of a killed process with the same number are skipped, this many of them.
 constexpr int kTemporaryAttempts = 100;
 constexpr mode_t kNewFileMode = 0666;  // less the umask, as for any program
@@ -105,14 +111,18 @@ Result<Done> writeStream(const fs::path& path, std::string_view bytes) {
   return Done{};
 }
 
+/// What the names of all temporary files for `target` begin with; a process number and a count follow.
+std::string temporaryStem(const fs::path& target) {
+  return "." + target.filename().string().substr(0, kNameInTemporary) + std::string(kTemporaryMark);
+}
+
 /// A file that goes away unless it was moved to its place.
 class TemporaryFile {
  public:
   static Result<TemporaryFile> create(const fs::path& target) {
     fs::path folder = target.parent_path();
     if (folder.empty()) folder = ".";
-    const std::string stem =
-        "." + target.filename().string().substr(0, kNameInTemporary) + ".tmp-" + std::to_string(::getpid());
+    const std::string stem = temporaryStem(target) + std::to_string(::getpid());
     for (int attempt = 0; attempt < kTemporaryAttempts; ++attempt) {
       fs::path path = folder / (stem + "-" + std::to_string(attempt));
       Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode));
@@ -238,9 +248,47 @@ Result<Done> checkWritable(const fs::path& path, Overwrite overwrite) {
   return Done{};
 }
 
+std::size_t removeLeftovers(std::span<const fs::path> targets) {
+  std::set<fs::path> folders;
+  std::set<fs::path> stems;
+  for (const fs::path& target : targets) {
+    folders.insert(target.parent_path());
+    stems.insert(target.parent_path() / temporaryStem(target));
+  }
+  std::vector<fs::path> leftovers;
+  for (const fs::path& folder : folders) {
+    std::error_code failure;
+    for (fs::directory_iterator it(folder.empty() ? "." : folder, failure), end; !failure && it != end;
+         it.increment(failure)) {
+      const std::string name = it->path().filename().string();
+      const std::size_t mark = name.rfind(kTemporaryMark);
+      if (name.front() != '.' || mark == std::string::npos) continue;
+      if (stems.count(folder / name.substr(0, mark + kTemporaryMark.size())) > 0)
+        leftovers.push_back(it->path());
+    }
+  }
+  std::size_t removed = 0;
+  for (const fs::path& leftover : leftovers) removed += ::unlink(leftover.c_str()) == 0 ? 1U : 0U;
+  return removed;
+}
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return text;
+}
+
+std::string endingOf(const fs::path& path) {
+  return lowerCase(path.extension().string());
+}
+
 std::string contentHash(std::string_view bytes) {
+  return hashText(XXH3_128bits(bytes.data(), bytes.size()));
+}
+
+std::string hashText(const XXH128_hash_t& hash) {
   XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes.data(), bytes.size()));
+  XXH128_canonicalFromHash(&canonical, hash);
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string hex;
   for (const unsigned char byte : canonical.digest) {

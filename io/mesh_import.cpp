@@ -7,7 +7,6 @@
 #include "io/mesh_import.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 #include <vector>
 
@@ -19,15 +18,8 @@
 namespace spheretree::io {
 namespace {
 
-std::string lowerCaseExtension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return extension;
-}
-
 Result<PolygonSoup> readPolygons(const std::filesystem::path& path, std::string_view bytes) {
-  const std::string extension = lowerCaseExtension(path);
+  const std::string extension = endingOf(path);
   if (bytes.empty()) return Error{ErrorCode::UnreadableInput, "is empty"};
   if (extension == ".obj") return readObj(bytes);
   if (extension == ".off") return readOff(bytes);

@@ -113,6 +113,19 @@ std::string levelJson(std::size_t level, const LevelMetrics& metrics, double dia
                  {"solid_cover", std::move(solid)}});
 }
 
+std::string briefLevelJson(const std::string& levelJson) {
+  const Json level = Json::parse(levelJson);
+  return textOf({{"level", level.at("level")},
+                 {"spheres", level.at("spheres")},
+                 {"overhang_worst", level.at("overhang_worst").at("upper")},
+                 {"overhang_worst_relative", level.at("overhang_worst_relative").at("upper")},
+                 {"overhang_mean", level.at("overhang_mean")},
+                 {"overhang_mean_relative", level.at("overhang_mean_relative")},
+                 {"volume_ratio", level.at("volume_ratio")},
+                 {"surface_certified", level.at("surface_cover").at("certified")},
+                 {"solid_certified", level.at("solid_cover").at("certified")}});
+}
+
 std::string chainJson(const builders::ChainProof& proof) {
   return textOf(effortOf(proof.certified, proof.effort));
 }
@@ -160,6 +173,27 @@ std::string objectiveName(builders::Objective objective) {
 std::string exactNumber(double value) {
   std::array<char, 32> digits{};
   const auto [end, code] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  static_cast<void>(code);
+  return {digits.data(), end};
+}
+
+std::string csvCell(const std::string& jsonValue) {
+  const Json value = Json::parse(jsonValue);
+  if (value.is_null()) return {};
+  if (value.is_number_float()) return exactNumber(value.get<double>());
+  if (!value.is_string()) return value.dump();
+  const auto text = value.get<std::string>();
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char letter : text) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+  return quoted + "\"";
+}
+
+std::string readableNumber(double value) {
+  constexpr int kDigits = 6;
+  std::array<char, 32> digits{};
+  const auto [end, code] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, kDigits);
   static_cast<void>(code);
   return {digits.data(), end};
 }

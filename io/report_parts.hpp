@@ -27,6 +27,9 @@ namespace spheretree::io {
 [[nodiscard]] std::string levelJson(std::size_t level, const builders::LevelMetrics& metrics,
                                     double diagonal);
 
+/// The same entry as summaries and comparisons have it: upper bounds only, from its full text.
+[[nodiscard]] std::string briefLevelJson(const std::string& levelJson);
+
 /// One entry of `certificate`.
 [[nodiscard]] std::string chainJson(const builders::ChainProof& proof);
 
@@ -39,6 +42,12 @@ namespace spheretree::io {
 
 /// The shortest text that reads back as the same number.
 [[nodiscard]] std::string exactNumber(double value);
+
+/// A JSON value (null is empty, numbers exact) as a cell of comma-separated values, quoted where it must be.
+[[nodiscard]] std::string csvCell(const std::string& jsonValue);
+
+/// Six digits, enough to read.
+[[nodiscard]] std::string readableNumber(double value);
 
 /// The first line of a CSV report.
 [[nodiscard]] std::string levelCsvHeader();

@@ -9,9 +9,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <charconv>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -36,16 +34,6 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 // Of the `#` lines. Raised when a key changes its meaning.
 constexpr const char* kFormatVersion = "1";
 constexpr const char* kUnits = "mesh units";
-
-/// Enough digits to read; the report has all of them.
-std::string readableNumber(double value) {
-  constexpr int kDigits = 6;
-  std::array<char, 32> digits{};
-  const auto [end, code] =
-      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, kDigits);
-  static_cast<void>(code);
-  return {digits.data(), end};
-}
 
 std::string coverName(builders::Cover cover) {
   return cover == builders::Cover::Solid ? "solid" : "surface";
@@ -224,6 +212,10 @@ std::string treeHash(const SphereTree& tree) {
     }
   }
   return contentHash(bytes);
+}
+
+std::string settingsJson(const BuildSettings& settings) {
+  return settingsOf(settings).dump();
 }
 
 std::string formatJsonReport(const BuildResult& build, const Provenance& provenance) {

@@ -35,6 +35,9 @@ Result<std::string> formatTree(const builders::BuildResult& build, const Provena
 /// XXH3-128 over levels, parents and the bits of the balls: what the golden tests and reports compare.
 [[nodiscard]] std::string treeHash(const SphereTree& tree);
 
+/// The settings that a build looks at, decided, as reports have them: a JSON object.
+[[nodiscard]] std::string settingsJson(const builders::BuildSettings& settings);
+
 /// The full record of a build (docs/reports.md), pretty-printed JSON with a trailing newline.
 [[nodiscard]] std::string formatJsonReport(const builders::BuildResult& build, const Provenance& provenance);
 
