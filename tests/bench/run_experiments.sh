@@ -44,7 +44,7 @@ build() {
   # As in bootstrap: a compiler's new warnings must not stand in the way.
   cmake --preset release -DSPHERETREE_WERROR=OFF
   local targets=(spheretree make_models experiments)
-  if cmake --build "$programs" --target help | grep -q '^crowded_room:'; then targets+=(crowded_room); fi
+  if cmake --build "$programs" --target help | grep '^crowded_room:' >/dev/null; then targets+=(crowded_room); fi
   cmake --build "$programs" --target "${targets[@]}"
 }
 
