@@ -79,6 +79,10 @@ TEST(Primitives, TheStandOffIsThatOfTheFacets) {
 
 class Robot : public tests::InFolder {
  protected:
+  void SetUp() override {
+    InFolder::SetUp();
+    if (!whyNoUrdf().empty()) GTEST_SKIP() << whyNoUrdf();
+  }
   RobotSettings fast() const {
     RobotSettings settings;
     settings.build.levels = 2;
