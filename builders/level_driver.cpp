@@ -59,12 +59,12 @@ constexpr double kStandOffPerLoad = 0.67;
 constexpr double kPowerRatio = 10.0 / 6.0;
 // The first level may stick out so many times the least that any of its sets does, for the sake of the
 // others.
-constexpr double kNearLeast = 1.03;
+constexpr double kNearLeast = 1.05;
 // How often, and by how much, loads count less where otherwise the level would stick out too far.
 constexpr int kSecondChances = 2;
 constexpr double kSecondWeight = 0.2;
 // Passes differ in how much a load counts: which is best differs from shape to shape.
-constexpr std::array<double, 4> kLoadPressures{1.3, 2, 0.8, 3};
+constexpr std::array<double, 4> kLoadPressures{2, 1.3, 0.8, 3};
 // Leaves are spread over the surface as if there were fewer by this share, so that there is room to move.
 constexpr double kSpareLeaves = 0.05;
 // Worth more than any stand-off.
@@ -548,20 +548,26 @@ class LevelDriver {
       for (const Candidate& candidate : candidates)
         limit = std::min(limit, kNearLeast * worstOf(candidate.balls));
     }
-    Candidate* best = nullptr;
+    std::vector<Candidate*> good;
+    double least = std::numeric_limits<double>::infinity();  // prospect of the good ones
     for (Candidate& candidate : candidates) {
       for (int less = 0; less < kSecondChances && worstOf(candidate.balls) > limit; ++less) {
-        if (best != nullptr && prospect(best->balls, depth) <= prospect(candidate.balls, depth)) break;
+        if (least <= prospect(candidate.balls, depth)) break;
         candidate.problem.loadWeight *= kSecondWeight;
         candidate.balls = refineLevel(candidate.problem, std::move(candidate.balls), request);
       }
       if (worstOf(candidate.balls) > limit) continue;
-      if (best == nullptr || prospect(candidate.balls, depth) < prospect(best->balls, depth))
-        best = &candidate;
+      good.push_back(&candidate);
+      least = std::min(least, prospect(candidate.balls, depth));
     }
-    if (best != nullptr) {
-      problem = std::move(best->problem);
-      return std::move(best->balls);
+    if (!good.empty()) {
+      std::stable_sort(good.begin(), good.end(), [&](const Candidate* a, const Candidate* b) {
+        return prospect(a->balls, depth) < prospect(b->balls, depth);
+      });
+      // What a first level promises is a guess: each pass follows another one.
+      Candidate& chosen = *good[std::min<std::size_t>(pass_, good.size() - 1)];
+      problem = std::move(chosen.problem);
+      return std::move(chosen.balls);
     }
     problem.loads.clear();
     return refineLevel(problem, std::move(balls), request);
