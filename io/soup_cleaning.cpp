@@ -28,6 +28,9 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 // Splitting next to one sliver may leave another. Real files need one or two rounds; what is left then is
 // dropped.
 constexpr int kSliverRounds = 16;
+// Where each sliver has one neighbour, triangles at most double. Crowds around one edge, with slivers in it,
+// would multiply: a thousand of each become a million.
+constexpr std::size_t kMostGrowth = 4;
 
 Kernel::Point_3 exact(const Eigen::Vector3d& point) {
   return {point.x(), point.y(), point.z()};
@@ -202,8 +205,8 @@ std::size_t dropEqualCorners(medial::TriangleMesh& mesh) {
   return dropMarked(mesh, dropped);
 }
 
-/// One round over the slivers that do not share a neighbour.
-void dissolveSlivers(medial::TriangleMesh& mesh, std::span<const std::size_t> slivers) {
+/// One round over the slivers that do not share a neighbour, as long as there are at most `most` triangles.
+void dissolveSlivers(medial::TriangleMesh& mesh, std::span<const std::size_t> slivers, std::size_t most) {
   const std::vector<EdgeOfTriangle> edges = sortedEdges(mesh);
   std::vector<char> touched(mesh.triangles.size(), 0);
   std::vector<char> dropped(mesh.triangles.size(), 0);
@@ -219,6 +222,7 @@ void dissolveSlivers(medial::TriangleMesh& mesh, std::span<const std::size_t> sl
     for (; end != edges.end() && end->low == low && end->high == high; ++end)
       free = free && touched[end->triangle] == 0;
     if (!free) continue;  // its turn comes in the next round
+    if (mesh.triangles.size() + static_cast<std::size_t>(end - begin) > most) continue;
     for (auto edge = begin; edge != end; ++edge) {
       touched[edge->triangle] = 1;
       if (edge->triangle == sliver) continue;
@@ -287,11 +291,12 @@ std::vector<Triangle> triangulatePolygon(std::span<const Eigen::Vector3d> points
 
 std::size_t removeDegenerate(medial::TriangleMesh& mesh) {
   std::size_t found = dropEqualCorners(mesh);
+  const std::size_t most = kMostGrowth * mesh.triangles.size();
   for (int round = 0; round < kSliverRounds; ++round) {
     const std::vector<std::size_t> slivers = findSlivers(mesh);
     if (round == 0) found += slivers.size();
     if (slivers.empty()) return found;
-    dissolveSlivers(mesh, slivers);
+    dissolveSlivers(mesh, slivers, most);
     dropEqualCorners(mesh);
   }
   std::vector<char> dropped(mesh.triangles.size(), 0);

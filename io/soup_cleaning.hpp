@@ -28,7 +28,8 @@ namespace spheretree::io {
 
 /// Removes triangles with two equal corners or exactly zero area, returns how many there were. When three
 /// different corners lie on a line, the triangles on the other side of the longest edge are split at the
-/// middle corner, so that a closed mesh stays closed and the surface stays where it is.
+/// middle corner, so that a closed mesh stays closed and the surface stays where it is. Splitting ends where
+/// the triangles would become more than four times as many; the slivers left then are just dropped.
 std::size_t removeDegenerate(medial::TriangleMesh& mesh);
 
 /// Removes triangles with the corners and the orientation of an earlier one, returns how many. O(n log n).

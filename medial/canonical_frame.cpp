@@ -23,6 +23,10 @@ using Eigen::Vector3d;
 constexpr double kDistinct = 0.02;
 // Directions are voted for by this many of the largest triangles.
 constexpr std::size_t kVoters = 32;
+// Above that a mesh is no machine part whose sides are alike, and every choice costs a pass over it.
+constexpr std::size_t kFewTriangles = 100'000;
+// Sums over a mesh that differ by less than this fraction differ by rounding.
+constexpr double kEqual = 1e-9;
 // Facets are parallel when the sine of their angle is below this.
 constexpr double kParallel = 1e-3;
 
@@ -50,6 +54,21 @@ Moments momentsOf(const TriangleMesh& mesh, const Vector3d& near) {
   m.covariance = second / m.area - m.centroid * m.centroid.transpose();
   m.centroid += near;
   return m;
+}
+
+/// The principal axes that can be told from the others, that of the largest moment first.
+std::vector<Vector3d> distinctAxes(const Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
+  const Vector3d values = solver.eigenvalues();  // ascending
+  std::vector<Vector3d> axes;
+  for (int k = 2; k >= 0; --k) {
+    double gap = values[2];
+    for (int other = 0; other < 3; ++other) {
+      if (other != k) gap = std::min(gap, std::abs(values[k] - values[other]));
+    }
+    if (gap > kDistinct * values[2]) axes.push_back(solver.eigenvectors().col(k));
+  }
+  return axes;
 }
 
 struct Facing {
@@ -90,34 +109,86 @@ std::vector<Facing> facings(const TriangleMesh& mesh, const std::vector<Vector3d
   return result;
 }
 
-/// The direction perpendicular to `axes` that most area faces.
-Vector3d dominantFacing(const std::vector<Facing>& candidates, const std::vector<Vector3d>& axes) {
-  Vector3d best = Vector3d::Zero();
-  double most = -1;
-  for (const Facing& candidate : candidates) {
+/// The directions perpendicular to `axes` that most area faces: several where a symmetric shape leaves a
+/// choice, `most` at most.
+std::vector<Vector3d> dominantFacings(const TriangleMesh& mesh, const std::vector<Vector3d>& axes,
+                                      std::size_t most) {
+  std::vector<Vector3d> directions;
+  std::vector<double> votes;
+  double highest = 0;
+  for (const Facing& candidate : facings(mesh, axes)) {
     const Vector3d rest = across(candidate.direction, axes);
-    const double vote = candidate.area * rest.squaredNorm();
-    // Equal votes up to rounding: the first one stays.
-    if (vote > most * (1 + 1e-9)) {
-      most = vote;
-      best = rest;
-    }
+    votes.push_back(candidate.area * rest.squaredNorm());
+    directions.push_back(rest.normalized());
+    highest = std::max(highest, votes.back());
   }
-  if (best.norm() > 0) return best.normalized();
-  return axes.empty() ? Vector3d(Vector3d::UnitX()) : Vector3d(axes.front().unitOrthogonal());
+  if (!(highest > 0)) return {axes.empty() ? Vector3d(Vector3d::UnitX()) : axes.front().unitOrthogonal()};
+  std::vector<Vector3d> best;
+  for (std::size_t k = 0; k < votes.size() && best.size() < most; ++k) {
+    const auto parallel = [&](const Vector3d& other) {
+      return directions[k].cross(other).norm() <= kParallel;
+    };
+    if (votes[k] >= highest * (1 - kEqual) && std::none_of(best.begin(), best.end(), parallel))
+      best.push_back(directions[k]);
+  }
+  return best;
 }
 
-/// Makes an axis point to the side where the surface reaches out with its third moment.
-Vector3d directed(const TriangleMesh& mesh, const Vector3d& centroid, const Vector3d& axis) {
+/// An axis, pointing to the side where the surface reaches out with its third moment; both ways where that
+/// vanishes.
+std::vector<Vector3d> directed(const TriangleMesh& mesh, const CanonicalFrame& frame, const Vector3d& axis) {
   double third = 0;
+  double size = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vector3d& a = mesh.corner(t, 0);
     const double area = (mesh.corner(t, 1) - a).cross(mesh.corner(t, 2) - a).norm() / 2;
-    const double x = ((a + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3 - centroid).dot(axis);
+    const double x = ((a + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3 - frame.origin).dot(axis) / frame.scale;
     third += area * x * x * x;
+    size += area * std::abs(x * x * x);
   }
-  return third < 0 ? Vector3d(-axis) : axis;
+  if (std::abs(third) <= kEqual * size) return {axis, -axis};
+  return {third < 0 ? Vector3d(-axis) : axis};
 }
+
+/// A positive number that depends on how the triangles lie in the frame, and not on where the mesh is: the
+/// sum, over their centroids, of a peak across a skew plane. Its narrowness makes it see many-fold
+/// symmetries, which have no low moments.
+double signatureOf(const TriangleMesh& mesh, const CanonicalFrame& frame) {
+  constexpr double kNarrowness = 16;
+  const Vector3d across = kNarrowness / (3 * frame.scale) * frame.axes.transpose() * Vector3d(1, 0.7, 0.4);
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vector3d corners = mesh.corner(t, 0) - frame.origin + mesh.corner(t, 1) - frame.origin +
+                             mesh.corner(t, 2) - frame.origin;
+    const double x = across.dot(corners) - 1;  // the plane is not through the middle: both sides differ
+    sum += 1 / (1 + x * x);
+  }
+  return sum;
+}
+
+/// Of frames that are equally good, the one with the largest signature: where two of these are equal, the
+/// shape looks the same in both.
+class BestFrame {
+ public:
+  BestFrame(const TriangleMesh& mesh, CanonicalFrame frame) : mesh_(mesh), frame_(std::move(frame)) {}
+
+  void add(const Vector3d& first, const Vector3d& second) {
+    CanonicalFrame frame = frame_;
+    frame.axes.row(0) = first;
+    frame.axes.row(1) = second;
+    frame.axes.row(2) = first.cross(second);
+    const double signature = signatureOf(mesh_, frame);
+    if (signature <= highest_ * (1 + kEqual)) return;
+    highest_ = signature;
+    frame_ = frame;
+  }
+  [[nodiscard]] const CanonicalFrame& frame() const { return frame_; }
+
+ private:
+  const TriangleMesh& mesh_;
+  CanonicalFrame frame_;
+  double highest_ = 0;  // signatures are positive
+};
 
 /// Vertices in lexicographic order, triangles beginning with their first vertex and in lexicographic order,
 /// too.
@@ -154,41 +225,27 @@ constexpr double kPlace = 0x1p-32;
 CanonicalFrame canonicalFrame(const TriangleMesh& given) {
   const TriangleMesh mesh = sortedByPlace(given);  // sums and ties in an order that is not the file's
   const Moments moments = momentsOf(mesh, boundsOf(mesh).center());
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(moments.covariance);
-  const Vector3d values = solver.eigenvalues();  // ascending
-  std::vector<Vector3d> axes;
-  for (int k = 2; k >= 0; --k) {
-    double gap = values[2];
-    for (int other = 0; other < 3; ++other) {
-      if (other != k) gap = std::min(gap, std::abs(values[k] - values[other]));
-    }
-    if (gap > kDistinct * values[2]) axes.push_back(solver.eigenvectors().col(k));
-  }
-  if (axes.size() < 2) {
-    std::vector<Facing> candidates = facings(mesh, {});
-    while (axes.size() < 2) {
-      // The largest triangles of a plate all face along the axis that is known already.
-      const bool silent = std::all_of(candidates.begin(), candidates.end(), [&](const Facing& candidate) {
-        return across(candidate.direction, axes).isZero(0);
-      });
-      if (silent) candidates = facings(mesh, axes);
-      axes.push_back(dominantFacing(candidates, axes));
-    }
-  }
   CanonicalFrame frame;
   frame.origin = moments.centroid;
-  const Vector3d first = directed(mesh, frame.origin, axes[0]);
-  const Vector3d second = directed(mesh, frame.origin, (axes[1] - axes[1].dot(first) * first).normalized());
-  frame.axes.row(0) = first;
-  frame.axes.row(1) = second;
-  frame.axes.row(2) = first.cross(second);
   double farthest = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k)
       farthest = std::max(farthest, (mesh.corner(t, k) - frame.origin).norm());
   }
   frame.scale = farthest;
-  return frame;
+
+  const std::vector<Vector3d> axes = distinctAxes(moments.covariance);
+  const std::size_t most = mesh.triangles.size() > kFewTriangles ? 1 : kVoters;
+  BestFrame best(mesh, frame);
+  for (const Vector3d& a : axes.empty() ? dominantFacings(mesh, {}, most) : std::vector{axes[0]}) {
+    for (const Vector3d& b : axes.size() < 2 ? dominantFacings(mesh, {a}, most) : std::vector{axes[1]}) {
+      for (const Vector3d& first : directed(mesh, frame, a)) {
+        for (const Vector3d& second : directed(mesh, frame, (b - b.dot(first) * first).normalized()))
+          best.add(first, second);
+      }
+    }
+  }
+  return best.frame();
 }
 
 TriangleMesh toFrame(const TriangleMesh& mesh, const CanonicalFrame& frame, Places places) {

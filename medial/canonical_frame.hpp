@@ -27,7 +27,7 @@ struct CanonicalFrame {
 };
 
 /// The frame of a mesh with at least one triangle of positive area, to the bit the same for any order of its
-/// vertices and triangles. O(n log n).
+/// vertices, no two at the same place, and triangles. O(n log n).
 [[nodiscard]] CanonicalFrame canonicalFrame(const TriangleMesh& mesh);
 
 /// What becomes of the vertices: as computed, or moved to the nearest multiple of 2^-32, so that the same

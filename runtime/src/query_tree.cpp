@@ -215,7 +215,8 @@ std::vector<float> standOffsOf(const SphFile& file) {
     if (key == "wrap-stand-off" && !readNumber(value, wrap)) return {};
     if (!key.starts_with(kLevel)) continue;
     std::size_t level = 0;
-    std::from_chars(key.data() + kLevel.size(), key.data() + key.size(), level);
+    const auto [end, code] = std::from_chars(key.data() + kLevel.size(), key.data() + key.size(), level);
+    if (code != std::errc{} || end != key.data() + key.size()) continue;
     const std::size_t bracket = value.find(kOverhang);
     const std::size_t comma = value.find(',', bracket == std::string::npos ? value.size() : bracket);
     if (level >= relative.size() || comma == std::string::npos) continue;

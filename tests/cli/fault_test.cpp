@@ -30,7 +30,8 @@ const Names kBuild{"build",     "box.obj", "-o",       "a.sph", "--report", "a.j
                    "--quality", "fast",    "--levels", "3",     "--force"};
 
 // Takes seconds, so that there is time to do something to it.
-const Names kLongBuild{"build", "box.obj", "-o", "out/a.sph", "--builder", "grid", "--levels", "5"};
+const Names kLongBuild{"build", "box.obj",  "-o", "out/a.sph", "--builder",
+                       "grid",  "--levels", "4",  "--branch",  "12"};
 
 class Faults : public ProgramTest {
  protected:
@@ -188,10 +189,9 @@ TEST_P(Signals, AtAnyMomentLeaveAllOrNothing) {
       EXPECT_EQ(read("a.json").back(), '\n');
       continue;
     }
-    ++cancelled;
-    // -1: the signal came before the program could catch it.
-    EXPECT_TRUE(finished.exitCode == 130 || (finished.exitCode == -1 && milliseconds < 50))
-        << finished.exitCode << finished.err;
+    // -1: the signal came before the program could catch it, which on a busy machine may be late.
+    EXPECT_TRUE(finished.exitCode == 130 || finished.exitCode == -1) << finished.exitCode << finished.err;
+    if (finished.exitCode == 130) ++cancelled;
     expectEarlierOutputs();
   }
   EXPECT_GT(cancelled, 0U);

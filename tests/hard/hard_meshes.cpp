@@ -438,6 +438,7 @@ constexpr HardInput kMeshes[] = {
     {"sliver_1e6.obj", [] { return sliverCube(1e-6); }},
     {"sliver_1e9.obj", [] { return sliverCube(1e-9); }},
     {"sliver_1e12.obj", [] { return sliverCube(1e-12); }},
+    {"fan_10000.obj", [] { return models::makeCone(1, 1, 10000); }},
     {"fan_100000.obj", [] { return models::makeCone(1, 1, 100000); }},
     {"corners_1e-7.obj", [] { return doubledCorners(1e-7); }},
     {"corners_1e-12.obj", [] { return doubledCorners(1e-12); }},

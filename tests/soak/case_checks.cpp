@@ -137,7 +137,7 @@ Placed placed(const TriangleMesh& mesh, const Vector3d& middle, double length, R
   const double scale = static_cast<double>(result.pose.scale);
   // The middle of the body comes to lie near the origin: at random places bodies hardly ever meet.
   Vector3d shift = -scale * (turn * middle);
-  for (int k = 0; k < 3; ++k) shift[k] += random.uniform(-1, 1) * length;
+  for (int k = 0; k < 3; ++k) shift[k] += random.uniform(-0.5, 0.5) * length;
   result.pose.translation = {static_cast<float>(shift.x()), static_cast<float>(shift.y()),
                              static_cast<float>(shift.z())};
   const Vector3d exact(static_cast<double>(result.pose.translation.x),

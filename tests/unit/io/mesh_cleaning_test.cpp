@@ -114,6 +114,27 @@ TEST(RemoveDegenerate, ASliverBetweenTwoTrianglesLeavesAClosedMesh) {
   EXPECT_EQ(checkMesh(mesh).selfIntersections, 0U);
 }
 
+TEST(RemoveDegenerate, ACrowdAroundAnEdgeFullOfSliversDoesNotMultiply) {
+  // Each of the 255 slivers in the common edge would split all 256 triangles around it.
+  constexpr std::uint32_t kParts = 256;
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i <= kParts; ++i) mesh.vertices.emplace_back(i, 0, 0);
+  for (std::uint32_t step = kParts; step > 1; step /= 2) {
+    for (std::uint32_t low = 0; low < kParts; low += step)
+      mesh.triangles.push_back({low, low + step / 2, low + step});
+  }
+  const std::size_t slivers = mesh.triangles.size();
+  for (std::uint32_t k = 0; k < kParts; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kParts;
+    mesh.triangles.push_back({0, kParts, static_cast<std::uint32_t>(mesh.vertices.size())});
+    mesh.vertices.emplace_back(1, std::cos(angle), std::sin(angle));
+  }
+  const std::size_t before = mesh.triangles.size();
+  EXPECT_EQ(removeDegenerate(mesh), slivers);
+  EXPECT_LE(mesh.triangles.size(), 4 * before);
+  EXPECT_GE(mesh.triangles.size(), std::size_t{kParts});
+}
+
 TEST(RemoveDegenerate, AStackOfSliversGoesToo) {
   // Three vertices on one edge, tied to it by a chain of slivers.
   TriangleMesh mesh = models::makeBox({4, 3, 5});

@@ -123,6 +123,11 @@ TEST(QueryTree, ReadsStandOffsFromMetadata) {
   EXPECT_TRUE(
       standOffsOf(parseSph("1 1\n0 0 0 2 1\n# mesh-diagonal: 4\n# level-0: overhang-worst=[0,x]\n").value())
           .empty());
+  // No level is called that.
+  for (const std::string key : {"level-", "level-0th", "level--0", "level-99999999999999999999"}) {
+    const std::string said = "1 1\n0 0 0 2 1\n# mesh-diagonal: 4\n# " + key + ": overhang-worst=[0,0.1]\n";
+    EXPECT_TRUE(standOffsOf(parseSph(said).value()).empty()) << key;
+  }
 }
 
 }  // namespace
