@@ -67,8 +67,7 @@ TEST(Isolated, DeathIsAnErrorAndNotOurs) {
 TEST(Isolated, WorkWithoutEndIsEnded) {
   const Result<std::string> result = runIsolated(
       []() -> Result<std::string> {
-        for (volatile unsigned k = 0;; k = k + 1) {
-        }
+        for (std::atomic<unsigned> k = 0;;) ++k;
       },
       std::chrono::seconds(1));
   ASSERT_FALSE(result.ok());
