@@ -23,7 +23,7 @@
 #include "builders/catalogue.hpp"
 #include "io/soup_cleaning.hpp"
 #include "io/tree_files.hpp"
-#include "tests/support/solids.hpp"
+#include "solids.hpp"
 
 namespace {
 
