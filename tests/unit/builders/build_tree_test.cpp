@@ -137,7 +137,7 @@ TEST(BuildTree, RefusesWhatFloatsCannotHold) {
     for (Vector3d& v : mesh.vertices) v = size * v + Vector3d(0, offset, 0);
     return buildTree(surfaceOf(mesh), test::quickSettings("octree", 2), medial::Context(1));
   };
-  for (const auto& [size, offset] : {std::pair{1e39, 0.0}, {3e38, 1e38}, {1.0, 1e9}, {1e-44, 0.0}}) {
+  for (const auto& [size, offset] : {std::pair{1e39, 0.0}, {3e38, 1e38}, {1.0, 1e9}, {1e-45, 0.0}}) {
     const Result<BuildResult> result = built(size, offset);
     ASSERT_FALSE(result.ok()) << size << " at " << offset;
     EXPECT_EQ(result.error().code, ErrorCode::UnsuitableMesh);
