@@ -290,6 +290,8 @@ std::vector<Row> rowsOfJson(const std::string& text, const std::string& name) {
     json = Json::parse(text);
   } catch (const Json::parse_error& failure) {
     complain(name, lineAndColumn(text, failure.byte) + ": is not JSON");
+  } catch (const Json::out_of_range&) {
+    complain(name, "has a number that is too large");
   }
   if (!json.is_object() || !json.contains("assets") || !json.at("assets").is_array())
     complain(name, "must be an object with a list 'assets'");

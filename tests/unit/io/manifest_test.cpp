@@ -87,6 +87,7 @@ struct Wrong {
 TEST_F(Manifest, JsonComplaintsNameFilePlaceAndReason) {
   const std::vector<Wrong> all = {
       {"{\"assets\": [\n  {\"input\": \"a.obj\",}]}", "m.json: line 2, column 21: is not JSON"},
+      {"{\"assets\": [{\"input\": \"a.obj\", \"scale\": 1e999}]}", "m.json: has a number that is too large"},
       {"[]", "m.json: must be an object with a list 'assets'"},
       {R"({"assets": {}})", "m.json: must be an object with a list 'assets'"},
       {R"({"assets": []})", "m.json: names no asset"},
