@@ -50,7 +50,7 @@ for name in "${targets[@]}"; do
   log=build/fuzz-$name.log
   dictionary=()
   if [[ -e tests/fuzz/$name.dict ]]; then dictionary=("-dict=tests/fuzz/$name.dict"); fi
-  "$build/tests/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=$longest -timeout=$slowest \
+  "$build/tests/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=$longest -timeout=$slowest -report_slow_units=$slowest \
     -rss_limit_mb=$megabytes -print_final_stats=1 -artifact_prefix="$findings/$name-" "${dictionary[@]}" \
     "$learnt" "tests/fuzz/corpus/$name" >"$log" 2>&1 || found=1
   executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
