@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A signal handler may touch lock-free atomics and little else, so the whole state is three of them.
+// A signal handler may touch lock-free atomics and little else, so the whole state is a few of them.
 #include "cli/interrupt.hpp"
 
 #include <unistd.h>
@@ -17,6 +17,7 @@ namespace {
 std::atomic<medial::Context*> cancellable{nullptr};
 std::atomic<int> held{0};
 std::atomic<bool> pending{false};
+std::atomic<bool> came{false};  // a signal, while held
 static_assert(std::atomic<medial::Context*>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
               std::atomic<bool>::is_always_lock_free);
 
@@ -25,7 +26,10 @@ static_assert(std::atomic<medial::Context*>::is_always_lock_free && std::atomic<
 }
 
 void onSignal(int) {
-  if (held > 0) return;
+  if (held > 0) {
+    came = true;
+    return;
+  }
   const bool repeated = pending.exchange(true);
   medial::Context* const context = cancellable;
   if (context == nullptr || repeated) leave();
@@ -64,6 +68,10 @@ HoldInterrupts::HoldInterrupts() noexcept {
 
 HoldInterrupts::~HoldInterrupts() {
   --held;
+}
+
+PostponeInterrupts::~PostponeInterrupts() {
+  if (came) leave();
 }
 
 }  // namespace spheretree::cli

@@ -28,4 +28,17 @@ class HoldInterrupts {
   ~HoldInterrupts();
 };
 
+/// While it lives, signals wait; one that came ends the program with its end. For a short step before the
+/// work that must not be left half done.
+class PostponeInterrupts {
+ public:
+  PostponeInterrupts() noexcept = default;
+  PostponeInterrupts(const PostponeInterrupts&) = delete;
+  PostponeInterrupts& operator=(const PostponeInterrupts&) = delete;
+  ~PostponeInterrupts();
+
+ private:
+  HoldInterrupts hold_;
+};
+
 }  // namespace spheretree::cli

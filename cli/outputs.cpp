@@ -37,6 +37,7 @@ Result<Done> checkOutputs(std::span<const fs::path> inputs, std::span<const fs::
       return Error{ErrorCode::InvalidArgument, output.string() + ": two outputs cannot be the same file"};
     }
   }
+  const PostponeInterrupts whole;  // a file is made to see whether that is possible, and taken away again
   for (const fs::path& output : outputs) {
     const Result<Done> writable = io::checkWritable(output, overwrite);
     if (writable) continue;
