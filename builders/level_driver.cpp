@@ -31,6 +31,7 @@
 #include "medial/parallel.hpp"
 #include "medial/random.hpp"
 #include "medial/solid_cells.hpp"
+#include "medial/surface_samples.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -47,6 +48,8 @@ constexpr double kSurfaceCellSize = 0.2;
 constexpr double kSolidCellSize = 0.35;
 // Where seams are cut later, coarser pieces will do.
 constexpr double kRefineCellSize = 0.4;
+// Where only the density of balls counts.
+constexpr double kSpreadCellSize = 0.7;
 
 // Surface points of the axis that the first region is refined from.
 constexpr std::uint32_t kCoarseSamples = 1000;
@@ -67,6 +70,9 @@ constexpr double kSecondWeight = 0.2;
 constexpr std::array<double, 4> kLoadPressures{2, 1.3, 0.8, 3};
 // Leaves are spread over the surface as if there were fewer by this share, so that there is room to move.
 constexpr double kSpareLeaves = 0.05;
+// Shares of the progress: of the sketch, and of the rest for looking ahead.
+constexpr double kSketchShare = 0.1;
+constexpr double kLookShare = 0.4;
 // Worth more than any stand-off.
 constexpr double kDeeper = 1000;
 
@@ -182,32 +188,21 @@ class LevelDriver {
   BallTree run() {
     const bool foreseeing =
         refine_ && link_ && settings_.levels > 2 && settings_.objective == Objective::Worst;
-    const BuildEffort effort = buildEffort(settings_.quality);
-    if (!foreseeing || !effort.sketch) {
-      build();
+    if (!foreseeing || !buildEffort(settings_.quality).sketch) {
+      build(settings_.levels);
       return tree();
     }
     sketching_ = true;
-    build();
+    stretch_ = {0, kSketchShare};
+    build(settings_.levels - 1);
     sketching_ = false;
-    if (levels_.size() < settings_.levels || repeated_) {
-      build();  // some of the shape is done with before the leaves
+    stretch_ = {kSketchShare, 1};
+    if (levels_.size() + 1 < settings_.levels || repeated_) {
+      build(settings_.levels);  // some of the shape is done with before the leaves
       return tree();
     }
     spreadLeaves();
-    Levels best;
-    Winners bestWinners;
-    for (std::size_t pass = 0; pass < effort.passes; ++pass) {
-      pass_ = pass;
-      passes_ = effort.passes;
-      build();
-      if (best.empty() || score(levels_) < score(best)) {
-        best = levels_;
-        bestWinners = winners_;
-      }
-    }
-    levels_ = std::move(best);
-    winners_ = std::move(bestWinners);
+    buildLookingAhead();
     return tree();
   }
 
@@ -250,37 +245,111 @@ class LevelDriver {
     return sum;
   }
 
-  void build() {
+  void build(std::uint32_t levels) {
+    begin();
+    addLevels(1, levels);
+  }
+
+  void begin() {
     levels_.clear();
     winners_.clear();
     open_.clear();
     rivals_.clear();
     nodesSoFar_ = 0;
     makeRoot();
-    for (std::uint32_t depth = 1; depth < settings_.levels; ++depth) {
-      if (!addLevel(depth)) break;
+  }
+
+  /// Levels from `depth` on, to fill the stretch of the progress.
+  void addLevels(std::uint32_t depth, std::uint32_t levels) {
+    const Stretch all = stretch_;
+    const double share = (all.to - all.from) / std::max(1U, levels - std::min(depth, levels));
+    while (depth < levels) {
+      stretch_.to = stretch_.from + share;
+      if (!addLevel()) break;
+      stretch_.from = stretch_.to;
+      ++depth;
     }
+    stretch_ = all;
+  }
+
+  /// From where to where the progress goes meanwhile.
+  struct Stretch {
+    double from = 0;
+    double to = 1;
+  };
+
+  static Stretch part(const Stretch& whole, std::size_t i, std::size_t count) {
+    const double length = (whole.to - whole.from) / static_cast<double>(count);
+    const double from = whole.from + length * static_cast<double>(i);
+    return {from, from + length};
+  }
+
+  /// A tree that is not finished.
+  struct State {
+    Levels levels;
+    Winners winners;
+    std::vector<OpenNode> open;
+    std::uint64_t nodesSoFar = 0;
+    double prospect = 0;
+  };
+
+  [[nodiscard]] State state() const { return {levels_, winners_, open_, nodesSoFar_, prospect_}; }
+
+  void goOnFrom(State state) {
+    levels_ = std::move(state.levels);
+    winners_ = std::move(state.winners);
+    open_ = std::move(state.open);
+    nodesSoFar_ = state.nodesSoFar;
+    prospect_ = state.prospect;
+  }
+
+  /// What a first level promises is a guess. So the second level is tried below several of them, and the
+  /// whole tree below those that then promise most.
+  void buildLookingAhead() {
+    const BuildEffort effort = buildEffort(settings_.quality);
+    begin();
+    const State root = state();
+    std::vector<Proposal> proposals = proposeAll();
+    std::vector<State> begun;
+    const Stretch all = stretch_;
+    const double middle = all.from + kLookShare * (all.to - all.from);
+    for (RefinedLevel& first : firstLevels(proposals)) {
+      if (begun.size() >= effort.lookedAhead) break;
+      stretch_ = part({all.from, middle}, begun.size(), effort.lookedAhead);
+      goOnFrom(root);
+      nodesSoFar_ = 1;
+      std::vector<Proposal> shared = proposals;
+      shareAmongParents(std::move(first), shared);
+      if (!takeOver(shared)) continue;
+      addLevels(2, std::min(settings_.levels, 3U));
+      begun.push_back(state());
+    }
+    std::stable_sort(begun.begin(), begun.end(),
+                     [](const State& a, const State& b) { return a.prospect < b.prospect; });
+    if (begun.size() > effort.passes) begun.resize(effort.passes);
+    State best = root;
+    for (pass_ = 0; pass_ < begun.size(); ++pass_) {
+      stretch_ = part({middle, all.to}, pass_, begun.size());
+      goOnFrom(std::move(begun[pass_]));
+      addLevels(3, settings_.levels);
+      if (score(levels_) < score(best.levels)) best = state();
+    }
+    goOnFrom(std::move(best));
   }
 
   /// The leaves as if they needed no parents: shows where balls are needed.
   void spreadLeaves() {
-    const std::vector<Node>& rough = levels_.back();
     LevelProblem problem;
-    const double slots = std::pow(settings_.branch, static_cast<double>(levels_.size() - 1));
+    const double slots = std::pow(settings_.branch, static_cast<double>(settings_.levels - 1));
     problem.branch = static_cast<std::uint32_t>(std::max(1.0, slots * (1 - kSpareLeaves)));
-    for (const OpenNode& node : lastButOne_) {
+    for (const OpenNode& node : open_) {
       const double radius = expectedRadius(node);
       std::vector<Piece> pieces =
-          piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius);
+          piecesOf(surface_, node.region, kSpreadCellSize * radius, kSolidCellSize * radius);
       std::move(pieces.begin(), pieces.end(), std::back_inserter(problem.pieces));
     }
-    lastButOne_.clear();
     problem.allowed.assign(problem.pieces.size(), {0});
-    std::vector<LevelBall> balls;
-    for (const Node& node : rough) balls.push_back({node.fit, 0, {}, 0});
-    std::stable_sort(balls.begin(), balls.end(),
-                     [](const LevelBall& a, const LevelBall& b) { return a.fit.reach > b.fit.reach; });
-    balls.resize(std::min<std::size_t>(balls.size(), problem.branch));
+    std::vector<LevelBall> balls = farApartBalls(problem);
     RefineRequest request = requestFor(settings_.seed);
     request.effort = spreadEffort(settings_.quality);
     balls = refineLevel(problem, std::move(balls), request);
@@ -293,9 +362,23 @@ class LevelDriver {
     }
   }
 
+  /// As many balls as the problem may have, touching the surface at places far from each other.
+  [[nodiscard]] std::vector<LevelBall> farApartBalls(const LevelProblem& problem) const {
+    std::vector<Eigen::Vector3d> places;
+    for (const Piece& piece : problem.pieces) places.push_back(piece.points.front());
+    const std::vector<std::size_t> chosen = farApart(places, 0, problem.branch);
+    std::vector<LevelBall> balls(chosen.size());
+    medial::parallelFor(chosen.size(), context_, [&](std::size_t i) {
+      const medial::ClosestPoint on = surface_.closestPoint(places[chosen[i]]);
+      balls[i].fit.center =
+          probeDepth(surface_, medial::tangentBall(surface_, {on.point, on.triangle}).center);
+    });
+    return balls;
+  }
+
   /// How many children on the level below `depth` each piece will need: as many as leaves were spread there,
   /// in the proportion of the levels' sizes.
-  void foresee(std::size_t depth, LevelProblem& problem) const {
+  void foresee(std::size_t depth, LevelProblem& problem, double pressure) const {
     if (leaves_.empty() || depth + 1 >= settings_.levels) return;
     const std::size_t n = problem.pieces.size();
     std::vector<std::uint32_t> nearest(n, 0);
@@ -325,8 +408,7 @@ class LevelDriver {
       problem.loads[i] = areaOfLeaf[nearest[i]] > 0 ? share * area[i] / areaOfLeaf[nearest[i]] : 0;
     }
     problem.fairLoad = settings_.branch;
-    problem.loadWeight =
-        kStandOffPerLoad * levelsBelow * kPowerRatio * kLoadPressures[pass_ % kLoadPressures.size()];
+    problem.loadWeight = kStandOffPerLoad * levelsBelow * kPowerRatio * pressure;
   }
 
   /// What a level will lead to: the sum over it and the levels below of the logarithm of the worst stand-off.
@@ -380,13 +462,17 @@ class LevelDriver {
   }
 
   /// False when no ball could be improved: then there is no such level.
-  bool addLevel(std::uint32_t depth) {
+  bool addLevel() {
+    std::vector<Proposal> proposals = proposeAll();
+    if (refine_ && link_) refineTogether(proposals);
+    return takeOver(proposals);
+  }
+
+  std::vector<Proposal> proposeAll() {
     std::vector<Proposal> proposals(open_.size());
     std::atomic<std::size_t> finished{0};
     const auto progress = [&](double done) {
-      const double pass = (depth - 1 + done) / (settings_.levels - 1);
-      context_.report("build",
-                      sketching_ ? 0 : (static_cast<double>(pass_) + pass) / static_cast<double>(passes_));
+      context_.report("build", stretch_.from + done * (stretch_.to - stretch_.from));
     };
     medial::parallelFor(open_.size(), context_, [&](std::size_t i) {
       const std::uint64_t seed = medial::Random(settings_.seed, nodesSoFar_ + i).next();
@@ -396,8 +482,7 @@ class LevelDriver {
       progress(refine_ && link_ ? done / 2 : done);
     });
     nodesSoFar_ += open_.size();
-    if (refine_ && link_) refineTogether(proposals);
-    return takeOver(proposals);
+    return proposals;
   }
 
   /// Refinement goes on from the sets; the first level, few balls that all else depends on, starts well.
@@ -465,9 +550,10 @@ class LevelDriver {
   }
 
   static CellSet cellSetOf(const std::vector<Piece>& pieces) {
-    std::vector<medial::SolidCell> cells;
-    for (const Piece& piece : pieces) cells.push_back({piece.cube, piece.points});
-    return CellSet({}, cells);
+    std::vector<std::span<const Eigen::Vector3d>> cells;
+    cells.reserve(pieces.size());
+    for (const Piece& piece : pieces) cells.emplace_back(piece.points);
+    return CellSet(cells);
   }
 
   [[nodiscard]] RefineRequest requestFor(std::uint64_t seed) const {
@@ -519,58 +605,78 @@ class LevelDriver {
     return now;
   }
 
+  /// A level that was refined, and the pieces that this has cut.
+  struct RefinedLevel {
+    LevelProblem problem;
+    std::vector<LevelBall> balls;
+    double prospect = 0;
+  };
+
+  [[nodiscard]] RefinedLevel refined(LevelProblem problem, std::vector<LevelBall> balls,
+                                     const RefineRequest& request) const {
+    RefinedLevel level{std::move(problem), {}, 0};
+    level.balls = refineLevel(level.problem, std::move(balls), request);
+    level.prospect = prospect(level.balls, levels_.size());
+    return level;
+  }
+
+  /// Whether the level sticks out no more than `limit`, if need be after another chance with loads that count
+  /// less, as long as it promises more than `least`.
+  [[nodiscard]] bool comesWithin(double limit, RefinedLevel& level, const RefineRequest& request,
+                                 double least = std::numeric_limits<double>::infinity()) const {
+    for (int less = 0; less < kSecondChances && worstOf(level.balls) > limit; ++less) {
+      if (least <= level.prospect) return false;
+      level.problem.loadWeight *= kSecondWeight;
+      level = refined(std::move(level.problem), std::move(level.balls), request);
+    }
+    return worstOf(level.balls) <= limit;
+  }
+
   /// The reducers' own sets are what refinement must beat; crowding may be given too much for that.
-  [[nodiscard]] std::vector<LevelBall> refineGiven(LevelProblem& problem, std::vector<LevelBall> balls) {
-    const double given = worstOf(balls);
-    const std::size_t depth = levels_.size();
-    RefineRequest request = requestFor(settings_.seed + nodesSoFar_ + pass_);
-    if (problem.loads.empty()) return refineLevel(problem, std::move(balls), request);
+  [[nodiscard]] RefinedLevel refineGiven(const LevelProblem& problem,
+                                         const std::vector<LevelBall>& balls) const {
+    const RefineRequest request = requestFor(settings_.seed + nodesSoFar_ + pass_);
+    RefinedLevel level = refined(problem, balls, request);
+    if (problem.loads.empty() || comesWithin(worstOf(balls), level, request)) return level;
+    LevelProblem plain = problem;
+    plain.loads.clear();
+    return refined(std::move(plain), balls, request);
+  }
+
+  /// First levels that all stick out little, those that promise most for all levels together first.
+  [[nodiscard]] std::vector<RefinedLevel> firstLevels(const std::vector<Proposal>& proposals) {
+    const std::vector<LevelBall> balls = proposals.front().balls;
+    const LevelProblem problem = problemOf(coarsePieces());
+    RefineRequest request = requestFor(settings_.seed + 1);
+    request.effort = refineEffort(Quality::Normal);
     std::vector<std::vector<LevelBall>> starts{balls};
-    if (problem.parents == 1) {
-      for (std::vector<LevelBall>& other : otherStarts(balls)) starts.push_back(std::move(other));
+    for (std::vector<LevelBall>& other : otherStarts(balls)) starts.push_back(std::move(other));
+    std::vector<RefinedLevel> all;
+    for (std::size_t k = 0; k < buildEffort(settings_.quality).pressures; ++k) {
+      LevelProblem pressed = problem;
+      foresee(1, pressed, kLoadPressures[k]);
+      for (const std::vector<LevelBall>& start : starts) all.push_back(refined(pressed, start, request));
     }
-    struct Candidate {
-      LevelProblem problem;
-      std::vector<LevelBall> balls;
+    const auto promising = [](const RefinedLevel& a, const RefinedLevel& b) {
+      return a.prospect < b.prospect;
     };
-    std::vector<Candidate> candidates;
-    if (starts.size() > 1) request.effort = refineEffort(Quality::Normal);
-    for (std::vector<LevelBall>& start : starts) {
-      candidates.push_back({problem, {}});
-      candidates.back().balls = refineLevel(candidates.back().problem, std::move(start), request);
+    std::stable_sort(all.begin(), all.end(), promising);
+    double limit = worstOf(balls);
+    for (const RefinedLevel& level : all) limit = std::min(limit, kNearLeast * worstOf(level.balls));
+    const std::size_t wanted = buildEffort(settings_.quality).lookedAhead;
+    std::vector<RefinedLevel> good;
+    for (RefinedLevel& level : all) {
+      const double least =
+          good.size() < wanted ? std::numeric_limits<double>::infinity() : good[wanted - 1].prospect;
+      if (!comesWithin(limit, level, request, least)) continue;
+      good.push_back(std::move(level));
+      std::stable_sort(good.begin(), good.end(), promising);
     }
-    std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
-      return prospect(a.balls, depth) < prospect(b.balls, depth);
-    });
-    // One that sticks out too far for all its promise gets another chance with loads that count less.
-    double limit = given;
-    if (starts.size() > 1) {
-      for (const Candidate& candidate : candidates)
-        limit = std::min(limit, kNearLeast * worstOf(candidate.balls));
+    if (good.empty()) {
+      good.push_back(refined(problem, balls, request));
+      if (worstOf(good.front().balls) > worstOf(balls)) good.front() = finePieces(proposals);
     }
-    std::vector<Candidate*> good;
-    double least = std::numeric_limits<double>::infinity();  // prospect of the good ones
-    for (Candidate& candidate : candidates) {
-      for (int less = 0; less < kSecondChances && worstOf(candidate.balls) > limit; ++less) {
-        if (least <= prospect(candidate.balls, depth)) break;
-        candidate.problem.loadWeight *= kSecondWeight;
-        candidate.balls = refineLevel(candidate.problem, std::move(candidate.balls), request);
-      }
-      if (worstOf(candidate.balls) > limit) continue;
-      good.push_back(&candidate);
-      least = std::min(least, prospect(candidate.balls, depth));
-    }
-    if (!good.empty()) {
-      std::stable_sort(good.begin(), good.end(), [&](const Candidate* a, const Candidate* b) {
-        return prospect(a->balls, depth) < prospect(b->balls, depth);
-      });
-      // What a first level promises is a guess: each pass follows another one.
-      Candidate& chosen = *good[std::min<std::size_t>(pass_, good.size() - 1)];
-      problem = std::move(chosen.problem);
-      return std::move(chosen.balls);
-    }
-    problem.loads.clear();
-    return refineLevel(problem, std::move(balls), request);
+    return good;
   }
 
   /// Other sets for the first level: those of the reducers that lost, and some that share the leaves evenly.
@@ -645,33 +751,56 @@ class LevelDriver {
     return problem;
   }
 
-  void refineTogether(std::vector<Proposal>& proposals) {
-    std::vector<LevelBall> given;
-    std::vector<std::vector<Piece>> coarse(open_.size());
-    std::vector<std::vector<Piece>> fine(open_.size());
-    for (std::uint32_t i = 0; i < open_.size(); ++i) {
-      const double radius = expectedRadius(open_[i]);
-      coarse[i] = piecesOf(surface_, open_[i].region, kRefineCellSize * radius, kSolidCellSize * radius);
-      for (LevelBall& ball : proposals[i].balls) {
-        ball.parent = i;
-        given.push_back(std::move(ball));
+  /// The regions of all open nodes in pieces that seams can be cut into later.
+  [[nodiscard]] std::vector<std::vector<Piece>> coarsePieces() const {
+    std::vector<std::vector<Piece>> pieces;
+    for (const OpenNode& node : open_) {
+      const double radius = expectedRadius(node);
+      pieces.push_back(piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius));
+    }
+    return pieces;
+  }
+
+  /// With the pieces that the reducers had, nothing can be lost.
+  [[nodiscard]] RefinedLevel finePieces(const std::vector<Proposal>& proposals) const {
+    std::vector<std::vector<Piece>> pieces;
+    for (const Proposal& proposal : proposals) pieces.push_back(proposal.pieces);
+    LevelProblem problem = problemOf(std::move(pieces));
+    foresee(levels_.size(), problem, kLoadPressures.front());
+    return refineGiven(problem, ballsOfAll(proposals));
+  }
+
+  static std::vector<LevelBall> ballsOfAll(const std::vector<Proposal>& proposals) {
+    std::vector<LevelBall> balls;
+    for (std::uint32_t i = 0; i < proposals.size(); ++i) {
+      for (const LevelBall& ball : proposals[i].balls) {
+        balls.push_back(ball);
+        balls.back().parent = i;
       }
-      fine[i] = std::move(proposals[i].pieces);
-      proposals[i].balls.clear();
-      proposals[i].pieces.clear();
     }
-    LevelProblem problem = problemOf(std::move(coarse));
-    foresee(levels_.size(), problem);
-    std::vector<LevelBall> balls = refineGiven(problem, given);
-    if (!sketching_ && worstOf(balls) > worstOf(given)) {
-      // With the pieces that the reducers had, nothing can be lost.
-      problem = problemOf(std::move(fine));
-      balls = refineGiven(problem, std::move(given));
+    return balls;
+  }
+
+  void refineTogether(std::vector<Proposal>& proposals) {
+    const std::vector<LevelBall> given = ballsOfAll(proposals);
+    LevelProblem problem = problemOf(coarsePieces());
+    foresee(levels_.size(), problem, kLoadPressures.front());
+    RefinedLevel level = refineGiven(problem, given);
+    if (!sketching_ && worstOf(level.balls) > worstOf(given)) level = finePieces(proposals);
+    shareAmongParents(std::move(level), proposals);
+  }
+
+  /// Replaces what the reducers proposed by the refined level.
+  void shareAmongParents(RefinedLevel level, std::vector<Proposal>& proposals) {
+    prospect_ = level.prospect;
+    for (Proposal& proposal : proposals) {
+      proposal.balls.clear();
+      proposal.pieces.clear();
     }
-    for (LevelBall& ball : balls) {
+    for (LevelBall& ball : level.balls) {
       Proposal& proposal = proposals[ball.parent];
       for (std::uint32_t& piece : ball.pieces) {
-        proposal.pieces.push_back(std::move(problem.pieces[piece]));
+        proposal.pieces.push_back(std::move(level.problem.pieces[piece]));
         piece = static_cast<std::uint32_t>(proposal.pieces.size() - 1);
       }
       proposal.balls.push_back(std::move(ball));
@@ -717,7 +846,6 @@ class LevelDriver {
     }
     open_ = std::move(next);
     if (link_ && refine_) settleAncestors();
-    if (sketching_ && levels_.size() + 1 == settings_.levels) lastButOne_ = open_;
     return true;
   }
 
@@ -767,14 +895,14 @@ class LevelDriver {
   double goodEnough_;  // mesh units
   bool refine_;
   bool link_;
-  bool sketching_ = false;            // a first, rough tree, to learn where the balls will be needed
-  bool repeated_ = false;             // somewhere the sketch stood a ball for itself on the next level
-  std::vector<OpenNode> lastButOne_;  // of the sketch
-  std::vector<Fit> leaves_;           // spread without parents
+  bool sketching_ = false;   // a first, rough tree, to learn where the balls will be needed
+  bool repeated_ = false;    // somewhere the sketch stood a ball for itself on the next level
+  std::vector<Fit> leaves_;  // spread without parents
   std::vector<PointBlock> leafPoints_;
   std::vector<std::vector<LevelBall>> rivals_;  // all sets proposed for the root
   std::size_t pass_ = 0;
-  std::size_t passes_ = 1;
+  Stretch stretch_;
+  double prospect_ = 0;  // of the last level
   Levels levels_;
   std::vector<OpenNode> open_;  // the last of levels_
   Winners winners_;

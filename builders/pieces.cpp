@@ -19,46 +19,47 @@ Vector3d middleOf(const SurfaceCell& cell) {
   return (cell[0] + cell[1] + cell[2]) / 3;
 }
 
-/// Sorts triangles into two groups at the middle of their longest extent; false when they cannot be told
-/// apart.
-bool divide(std::span<const SurfaceCell> all, std::vector<SurfaceCell>& low, std::vector<SurfaceCell>& high) {
+/// Sorts triangles into two groups at the middle of their longest extent, each in the order they had; returns
+/// the size of the first, 0 when they cannot be told apart.
+std::size_t divide(std::span<SurfaceCell> all) {
   Eigen::AlignedBox3d box;
   for (const SurfaceCell& cell : all) box.extend(middleOf(cell));
   Eigen::Index axis = 0;
   box.sizes().maxCoeff(&axis);
   const double middle = box.center()[axis];
-  for (const SurfaceCell& cell : all) (middleOf(cell)[axis] <= middle ? low : high).push_back(cell);
-  return !low.empty() && !high.empty();
+  const auto high = std::stable_partition(
+      all.begin(), all.end(), [&](const SurfaceCell& cell) { return middleOf(cell)[axis] <= middle; });
+  return high == all.end() ? 0 : static_cast<std::size_t>(high - all.begin());
 }
 
-void collect(std::vector<SurfaceCell> triangles, double size, std::vector<Piece>& out) {
+void collect(const SurfaceCell& triangle, double size, std::vector<Piece>& out) {
+  if (medial::longestEdge(triangle) <= size) {
+    out.push_back(pieceOf({triangle}));
+    return;
+  }
+  const auto [first, second] = medial::bisect(triangle);
+  collect(first, size, out);
+  collect(second, size, out);
+}
+
+/// Sorts the triangles on the way.
+void collect(std::span<SurfaceCell> triangles, double size, std::vector<Piece>& out) {
+  if (triangles.size() == 1) return collect(triangles.front(), size, out);
   Eigen::AlignedBox3d box;
   for (const SurfaceCell& cell : triangles) {
     for (const Vector3d& p : cell) box.extend(p);
   }
-  if (triangles.size() == 1) {
-    if (medial::longestEdge(triangles.front()) <= size) {
-      out.push_back(pieceOf(std::move(triangles)));
-      return;
-    }
-    const auto [first, second] = medial::bisect(triangles.front());
-    collect({first}, size, out);
-    collect({second}, size, out);
-    return;
-  }
   if (box.diagonal().norm() <= size) {
-    out.push_back(pieceOf(std::move(triangles)));
+    out.push_back(pieceOf({triangles.begin(), triangles.end()}));
     return;
   }
-  std::vector<SurfaceCell> low;
-  std::vector<SurfaceCell> high;
-  if (!divide(triangles, low, high)) {
-    for (const SurfaceCell& cell : triangles) collect({cell}, size, out);
+  const std::size_t low = divide(triangles);
+  if (low == 0) {
+    for (const SurfaceCell& cell : triangles) collect(cell, size, out);
     return;
   }
-  triangles = {};
-  collect(std::move(low), size, out);
-  collect(std::move(high), size, out);
+  collect(triangles.first(low), size, out);
+  collect(triangles.subspan(low), size, out);
 }
 
 }  // namespace
@@ -92,18 +93,16 @@ std::pair<Piece, Piece> cut(const Piece& piece) {
     const auto [first, second] = medial::bisect(piece.triangles.front());
     return {pieceOf({first}), pieceOf({second})};
   }
-  std::vector<SurfaceCell> low;
-  std::vector<SurfaceCell> high;
-  if (!divide(piece.triangles, low, high)) {
-    low.assign(piece.triangles.begin(), piece.triangles.begin() + 1);
-    high.assign(piece.triangles.begin() + 1, piece.triangles.end());
-  }
-  return {pieceOf(std::move(low)), pieceOf(std::move(high))};
+  std::vector<SurfaceCell> all = piece.triangles;
+  const std::size_t low = std::max<std::size_t>(divide(all), 1);
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(low);
+  return {pieceOf({all.begin(), middle}), pieceOf({middle, all.end()})};
 }
 
 std::vector<Piece> surfacePieces(std::span<const SurfaceCell> cells, double size) {
   std::vector<Piece> pieces;
-  if (!cells.empty()) collect({cells.begin(), cells.end()}, size, pieces);
+  std::vector<SurfaceCell> sorted(cells.begin(), cells.end());
+  if (!sorted.empty()) collect(sorted, size, pieces);
   return pieces;
 }
 

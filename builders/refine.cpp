@@ -738,13 +738,13 @@ RefineEffort refineEffort(Quality quality) {
 BuildEffort buildEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {false, 0, 1, true};
+      return {false, 0, 1, 1, 1, true};
     case Quality::Best:
-      return {true, 6, 3, false};
+      return {true, 8, 3, 10, 4, false};
     case Quality::Normal:
       break;
   }
-  return {true, 3, 1, false};
+  return {true, 2, 1, 3, 1, false};
 }
 
 RefineEffort sketchEffort() {

@@ -56,10 +56,12 @@ struct RefineEffort {
 
 /// How often a linked tree is built as a whole.
 struct BuildEffort {
-  bool sketch = true;         ///< a rough tree first, that shows where balls will be needed
-  std::size_t starts = 0;     ///< further sets that the first level is refined from
-  std::size_t passes = 1;     ///< trees, each foreseeing what the last one came to; the best one stays
-  bool winnerGoesOn = false;  ///< below the first level only the reducer that a ball is from is asked
+  bool sketch = true;           ///< a rough tree first, that shows where balls will be needed
+  std::size_t starts = 0;       ///< further sets that the first level is refined from
+  std::size_t pressures = 1;    ///< how many weights of loads each of them is refined with
+  std::size_t lookedAhead = 1;  ///< first levels below which the second one is tried
+  std::size_t passes = 1;       ///< whole trees, from those that then promise most; the best one stays
+  bool winnerGoesOn = false;    ///< below the first level only the reducer that a ball is from is asked
 };
 
 [[nodiscard]] BuildEffort buildEffort(Quality quality);

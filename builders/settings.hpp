@@ -47,7 +47,7 @@ struct AxisSettings {
 
 /// Which reducers compete for every set of balls (docs/builders/combined.md).
 struct CombinedSettings {
-  std::vector<std::string> reducers{"expand", "spawn"};  ///< names of the catalogue, each once
+  std::vector<std::string> reducers{"merge", "spawn"};  ///< names of the catalogue, each once
 };
 
 /// Everything that decides the bytes of a tree, with the only defaults there are.

@@ -2,16 +2,15 @@
 #include "medial/cell_set.hpp"
 
 #include <algorithm>
-#include <tuple>
+#include <utility>
+
+#include "medial/place_index.hpp"
 
 namespace spheretree::medial {
 namespace {
 
-auto coordinates(const Eigen::Vector3d& p) {
-  return std::tuple(p.x(), p.y(), p.z());
-}
-
-// Edges that differ by rounding only are equal: halving a right-angled triangle makes such pairs all the time.
+// Edges that differ by rounding only are equal: halving a right-angled triangle makes such pairs all the
+// time.
 constexpr double kLonger = 1 + 1e-9;
 
 }  // namespace
@@ -43,39 +42,24 @@ double areaOf(const SurfaceCell& cell) {
 }
 
 CellSet::CellSet(std::span<const SurfaceCell> surface, std::span<const SolidCell> solid) {
-  std::vector<Eigen::Vector3d> corners;
-  corners.reserve(3 * surface.size());
-  start_.reserve(surface.size() + solid.size() + 1);
-  for (const SurfaceCell& cell : surface) {
-    corners.insert(corners.end(), cell.begin(), cell.end());
-    start_.push_back(static_cast<std::uint32_t>(corners.size()));
+  std::vector<std::span<const Eigen::Vector3d>> cells;
+  cells.reserve(surface.size() + solid.size());
+  for (const SurfaceCell& cell : surface) cells.emplace_back(cell);
+  for (const SolidCell& cell : solid) cells.emplace_back(cell.points);
+  *this = CellSet(cells);
+}
+
+CellSet::CellSet(std::span<const std::span<const Eigen::Vector3d>> cells) {
+  std::size_t count = 0;
+  for (const std::span<const Eigen::Vector3d> cell : cells) count += cell.size();
+  corners_.reserve(count);
+  start_.reserve(cells.size() + 1);
+  PlaceIndex number(count / 3);  // neighbours share most of their corners
+  for (const std::span<const Eigen::Vector3d> cell : cells) {
+    for (const Eigen::Vector3d& corner : cell) corners_.push_back(number(corner));
+    start_.push_back(static_cast<std::uint32_t>(corners_.size()));
   }
-  for (const SolidCell& cell : solid) {
-    corners.insert(corners.end(), cell.points.begin(), cell.points.end());
-    start_.push_back(static_cast<std::uint32_t>(corners.size()));
-  }
-  // Equal positions become one point, numbered by first appearance.
-  std::vector<std::uint32_t> order(corners.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto ca = coordinates(corners[a]);
-    const auto cb = coordinates(corners[b]);
-    return ca != cb ? ca < cb : a < b;
-  });
-  std::vector<std::uint32_t> representative(corners.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && coordinates(corners[order[i]]) == coordinates(corners[order[i - 1]]);
-    representative[order[i]] = same ? representative[order[i - 1]] : order[i];
-  }
-  corners_.resize(corners.size());
-  for (std::uint32_t i = 0; i < corners.size(); ++i) {
-    if (representative[i] == i) {
-      corners_[i] = static_cast<std::uint32_t>(points_.size());
-      points_.push_back(corners[i]);
-    } else {
-      corners_[i] = corners_[representative[i]];
-    }
-  }
+  points_ = std::move(number).takePlaces();
 }
 
 double CellSet::farthestSquared(std::size_t cell, const Eigen::Vector3d& center) const {

@@ -42,6 +42,8 @@ class CellSet {
  public:
   CellSet() = default;
   CellSet(std::span<const SurfaceCell> surface, std::span<const SolidCell> solid);
+  /// Each cell by the points whose convex hull it is.
+  explicit CellSet(std::span<const std::span<const Eigen::Vector3d>> cells);
 
   [[nodiscard]] std::size_t size() const noexcept { return start_.size() - 1; }
   [[nodiscard]] bool empty() const noexcept { return size() == 0; }
