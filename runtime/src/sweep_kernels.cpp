@@ -84,21 +84,18 @@ inline void report(StripScan& scan, std::uint32_t i, std::uint32_t j) {
   }
 }
 
-constexpr std::uint32_t kRow = 8;   // records that one record is tested against at once
-constexpr std::uint32_t kRows = 4;  // rows of a step through many records
-constexpr std::uint32_t kStep = kRow * kRows;
+constexpr std::uint32_t kGroup = 4;  // steps whose hits share a word
 
 /// Candidates that passed, not yet delivered.
 struct HitList {
-  /// Bit 8 row + column of the mask: record first + row * firstStride against other + row * otherStride +
-  /// column.
   struct Entry {
-    std::uint64_t mask;
+    std::uint64_t mask;  // a bit for every lane of every step
     std::uint32_t first;
-    std::uint32_t other;
-    std::uint32_t end;  // candidates from here on do not count
-    std::uint16_t firstStride;
-    std::uint16_t otherStride;
+    std::uint32_t other;         // from lane to lane it grows by one
+    std::uint32_t end;           // candidates from here on do not count
+    std::uint8_t firstPerLane;   // by how much `first` grows from lane to lane
+    std::uint8_t firstPerStep;   // from step to step
+    std::uint16_t otherPerStep;  // the same of `other`
   };
   static constexpr std::uint32_t kCapacity = 256;
 
@@ -113,59 +110,47 @@ struct HitList {
   Entry entries[kCapacity];
 };
 
-/// Records that one row is not enough for, or that reach out of their strip. May hold some behind the end of
-/// the strip.
+/// Records set aside. May hold some behind the end of the strip.
 struct RecordList {
   static constexpr std::uint32_t kBatch = 256;
 
   [[nodiscard]] bool full() const noexcept { return count >= kBatch; }
 
   std::uint32_t count = 0;
-  std::uint32_t records[kBatch + kRow];
+  std::uint32_t records[kBatch + kMostLanes];
 };
 
-/// What is asked about the far ends of eight neighbouring records, one by one: for paths that cannot do
-/// better.
+/// What is asked about the far ends of neighbouring records, one by one: for paths that cannot do better.
+template <std::uint32_t Lanes>
 class EndsOneByOne {
  public:
   EndsOneByOne(const StripScan& scan, std::uint32_t top) noexcept
-      : sweepLane_(scan.sweepLane), stripLane_(scan.stripLane), cells_(scan.cells), top_(top) {}
+      : sweepLane_(scan.sweepLane), stripLane_(scan.stripLane), top_(top) {}
 
   void take(const std::uint64_t* low, const std::uint64_t* high) noexcept {
-    for (std::uint32_t k = 0; k < kRow; ++k) {
-      ends_[k] = kMaxCoordinate - coordinateOf(high[k], sweepLane_);
-      across_[k] = kMaxCoordinate - coordinateOf(high[k], stripLane_);
-      longest_ = std::max(longest_, ends_[k] - std::min(ends_[k], coordinateOf(low[k], sweepLane_)));
+    high_ = high;
+    furthest_ = 0;
+    for (std::uint32_t lane = 0; lane < Lanes; ++lane) {
+      const std::uint32_t end = kMaxCoordinate - coordinateOf(high[lane], sweepLane_);
+      furthest_ = std::max(furthest_, end);
+      longest_ = std::max(longest_, end - std::min(end, coordinateOf(low[lane], sweepLane_)));
     }
   }
+  [[nodiscard]] std::uint32_t furthest() const noexcept { return furthest_; }
   [[nodiscard]] std::uint32_t longest() const noexcept { return longest_; }
-  [[nodiscard]] std::uint32_t reaching(const std::uint64_t* behind) const noexcept {
-    std::uint32_t reaching = 0;
-    for (std::uint32_t k = 0; k < kRow; ++k) {
-      const bool reaches = partOf(ends_[k], cells_) >= partOf(coordinateOf(behind[k], sweepLane_), cells_);
-      reaching |= static_cast<std::uint32_t>(reaches) << k;
-    }
-    return reaching;
-  }
-  [[nodiscard]] std::uint32_t crossing() const noexcept {
-    std::uint32_t crossing = 0;
-    for (std::uint32_t k = 0; k < kRow; ++k) crossing |= static_cast<std::uint32_t>(across_[k] > top_) << k;
-    return crossing;
-  }
-  static void add(std::uint32_t which, std::uint32_t first, RecordList& list) noexcept {
-    for (std::uint32_t k = 0; k < kRow; ++k) {
-      list.records[list.count] = first + k;
-      list.count += which >> k & 1U;
+  void addCrossings(std::uint32_t first, RecordList& list) const noexcept {
+    for (std::uint32_t lane = 0; lane < Lanes; ++lane) {
+      list.records[list.count] = first + lane;
+      list.count += static_cast<std::uint32_t>(kMaxCoordinate - coordinateOf(high_[lane], stripLane_) > top_);
     }
   }
 
  private:
   unsigned sweepLane_;
   unsigned stripLane_;
-  std::uint32_t cells_;
   std::uint32_t top_;  // last coordinate of the strip
-  std::uint32_t ends_[kRow] = {};
-  std::uint32_t across_[kRow] = {};
+  const std::uint64_t* high_ = nullptr;
+  std::uint32_t furthest_ = 0;
   std::uint32_t longest_ = 0;
 };
 
@@ -175,35 +160,48 @@ namespace scalar {
 
 #define SPHERETREE_PATH
 
-/// Bit k: the record overlaps the k-th from `low` and `high` on.
-inline std::uint32_t rowHits(std::uint64_t ownLow, std::uint64_t ownHigh, const std::uint64_t* low,
-                             const std::uint64_t* high) noexcept {
+constexpr std::uint32_t kLanes = 1;
+
+struct Rows {
+  std::uint64_t low;
+  std::uint64_t high;
+};
+
+inline Rows sameRows(std::uint64_t low, std::uint64_t high) noexcept {
+  return {low, high};
+}
+
+inline Rows rowsAt(const std::uint64_t* low, const std::uint64_t* high) noexcept {
+  return {*low, *high};
+}
+
+template <std::uint32_t Stride>
+inline std::uint32_t groupHits(const Rows& rows, const std::uint64_t* low,
+                               const std::uint64_t* high) noexcept {
   std::uint32_t hits = 0;
-  for (std::uint32_t k = 0; k < kRow; ++k) {
-    const std::uint64_t apart = ((ownLow + high[k]) | (ownHigh + low[k])) & kSpareBits;
-    hits |= static_cast<std::uint32_t>(apart == 0) << k;
+  for (std::uint32_t step = 0; step < kGroup; ++step) {
+    const std::uint64_t apart =
+        ((rows.low + high[Stride * step]) | (rows.high + low[Stride * step])) & kSpareBits;
+    hits |= static_cast<std::uint32_t>(apart == 0) << step;
   }
   return hits;
 }
 
-inline std::uint64_t windowHits(const std::uint64_t* low, const std::uint64_t* high) noexcept {
-  std::uint64_t hits = 0;
-  for (std::uint32_t k = 0; k < kRow; ++k)
-    hits |= std::uint64_t{rowHits(low[k], high[k], low + k + 1, high + k + 1)} << (kRow * k);
-  return hits;
+constexpr std::uint32_t laneOf(std::uint32_t) noexcept {
+  return 0;
 }
 
-inline std::uint32_t stepHits(std::uint64_t ownLow, std::uint64_t ownHigh, const std::uint64_t* low,
-                              const std::uint64_t* high) noexcept {
-  std::uint32_t hits = 0;
-  for (std::uint32_t k = 0; k < kRows; ++k)
-    hits |= rowHits(ownLow, ownHigh, low + kRow * k, high + kRow * k) << (kRow * k);
-  return hits;
+constexpr std::uint32_t stepOf(std::uint32_t bit) noexcept {
+  return bit;
 }
 
-using Ends = EndsOneByOne;
+using Ends = EndsOneByOne<kLanes>;
 
 #include "sweep_scan.inl"
+// Needs the above.
+#include "sweep_distances.inl"
+// And all of them.
+#include "sweep_strip.inl"
 
 std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout, std::uint16_t* coordinates,
                          std::uint32_t* homes) {
@@ -247,56 +245,64 @@ namespace sse2 {
 
 #define SPHERETREE_PATH
 
-/// Two bits per record of a row, 11 where it overlaps.
-inline std::uint64_t rowHits(__m128i ownLow, __m128i ownHigh, const std::uint64_t* low,
-                             const std::uint64_t* high) noexcept {
-  const __m128i spare = _mm_set1_epi64x(static_cast<long long>(kSpareBits));
-  __m128i clear[4];  // words of 32 bits without a carry
-  for (int k = 0; k < 4; ++k) {
-    const __m128i lows = _mm_loadu_si128(reinterpret_cast<const __m128i*>(low) + k);
-    const __m128i highs = _mm_loadu_si128(reinterpret_cast<const __m128i*>(high) + k);
-    const __m128i apart = _mm_or_si128(_mm_add_epi16(ownHigh, lows), _mm_add_epi16(ownLow, highs));
-    clear[k] = _mm_cmpeq_epi32(_mm_and_si128(apart, spare), _mm_setzero_si128());
+constexpr std::uint32_t kLanes = 4;  // two registers: one narrowing serves both
+
+struct Rows {
+  __m128i low[2];
+  __m128i high[2];
+};
+
+inline Rows sameRows(std::uint64_t low, std::uint64_t high) noexcept {
+  const __m128i lows = _mm_set1_epi64x(static_cast<long long>(low));
+  const __m128i highs = _mm_set1_epi64x(static_cast<long long>(high));
+  return {{lows, lows}, {highs, highs}};
+}
+
+inline Rows rowsAt(const std::uint64_t* low, const std::uint64_t* high) noexcept {
+  const auto* const lows = reinterpret_cast<const __m128i*>(low);
+  const auto* const highs = reinterpret_cast<const __m128i*>(high);
+  return {{_mm_loadu_si128(lows), _mm_loadu_si128(lows + 1)},
+          {_mm_loadu_si128(highs), _mm_loadu_si128(highs + 1)}};
+}
+
+/// Bit 4 * lane + step.
+template <std::uint32_t Stride>
+inline std::uint32_t groupHits(const Rows& rows, const std::uint64_t* low,
+                               const std::uint64_t* high) noexcept {
+  std::uint32_t hits = 0;
+#pragma GCC unroll 8
+  for (std::uint32_t step = 0; step < kGroup; ++step) {
+    const auto* const lows = reinterpret_cast<const __m128i*>(low + Stride * step);
+    const auto* const highs = reinterpret_cast<const __m128i*>(high + Stride * step);
+    const __m128i apart0 = _mm_or_si128(_mm_add_epi16(rows.high[0], _mm_loadu_si128(lows)),
+                                        _mm_add_epi16(rows.low[0], _mm_loadu_si128(highs)));
+    const __m128i apart1 = _mm_or_si128(_mm_add_epi16(rows.high[1], _mm_loadu_si128(lows + 1)),
+                                        _mm_add_epi16(rows.low[1], _mm_loadu_si128(highs + 1)));
+    // Narrowing with saturation keeps the sign, which is the spare bit: four bits per record, three that
+    // count.
+    auto bits = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(apart0, apart1)));
+    bits |= bits >> 1U | bits >> 2U;
+    constexpr std::uint32_t kLowestOfFour = 0x1111;
+    hits |= (~bits & kLowestOfFour) << step;
   }
-  const __m128i bytes =
-      _mm_packs_epi16(_mm_packs_epi32(clear[0], clear[1]), _mm_packs_epi32(clear[2], clear[3]));
-  return static_cast<std::uint64_t>(_mm_movemask_epi8(bytes));
+  return hits;
 }
 
-/// One bit of each two, where both are set.
-constexpr std::uint64_t bothOfTwo(std::uint64_t bits) noexcept {
-  bits &= bits >> 1U & 0x5555'5555'5555'5555U;
-  bits = (bits | bits >> 1U) & 0x3333'3333'3333'3333U;
-  bits = (bits | bits >> 2U) & 0x0f0f'0f0f'0f0f'0f0fU;
-  bits = (bits | bits >> 4U) & 0x00ff'00ff'00ff'00ffU;
-  bits = (bits | bits >> 8U) & 0x0000'ffff'0000'ffffU;
-  return (bits | bits >> 16U) & 0x0000'0000'ffff'ffffU;
+constexpr std::uint32_t laneOf(std::uint32_t bit) noexcept {
+  return bit / kGroup;
 }
 
-inline __m128i repeated(std::uint64_t half) noexcept {
-  return _mm_set1_epi64x(static_cast<long long>(half));
+constexpr std::uint32_t stepOf(std::uint32_t bit) noexcept {
+  return bit % kGroup;
 }
 
-inline std::uint64_t windowHits(const std::uint64_t* low, const std::uint64_t* high) noexcept {
-  std::uint64_t hits[2] = {};
-  for (std::uint32_t k = 0; k < kRow; ++k) {
-    hits[k / kRows] |= rowHits(repeated(low[k]), repeated(high[k]), low + k + 1, high + k + 1)
-                       << (2 * kRow * (k % kRows));
-  }
-  return bothOfTwo(hits[0]) | bothOfTwo(hits[1]) << kStep;
-}
-
-inline std::uint32_t stepHits(std::uint64_t ownLow, std::uint64_t ownHigh, const std::uint64_t* low,
-                              const std::uint64_t* high) noexcept {
-  std::uint64_t hits = 0;
-  for (std::uint32_t k = 0; k < kRows; ++k)
-    hits |= rowHits(repeated(ownLow), repeated(ownHigh), low + kRow * k, high + kRow * k) << (2 * kRow * k);
-  return static_cast<std::uint32_t>(bothOfTwo(hits));
-}
-
-using Ends = EndsOneByOne;
+using Ends = EndsOneByOne<kLanes>;
 
 #include "sweep_scan.inl"
+// Needs the above.
+#include "sweep_distances.inl"
+// And all of them.
+#include "sweep_strip.inl"
 
 /// The cells of boxes begin .. end - 1, from their coordinates.
 void findHomes(const SweepLayout& layout, const std::uint16_t* coordinates, std::size_t begin,
@@ -317,6 +323,7 @@ std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
   __m128 origin[3];
   __m128 scale[3];
   __m128 isMin[3];
+#pragma GCC unroll 8
   for (std::size_t k = 0; k < 3; ++k) {
     origin[k] = _mm_loadu_ps(lanes.origin + 4 * k);
     scale[k] = _mm_loadu_ps(lanes.scale + 4 * k);
@@ -327,6 +334,7 @@ std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
     const float* const in = &boxes[i].min.x;
     __m128i steps[6];
     __m128 bad = _mm_setzero_ps();
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 6; ++k) {
       const __m128 value = _mm_loadu_ps(in + 4 * k);
       const __m128 extent = _mm_sub_ps(_mm_loadu_ps(in + 4 * k + 3), value);
@@ -340,6 +348,7 @@ std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
       if (fault != kNoFault) return fault;
       continue;
     }
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 3; ++k) {
       _mm_storeu_si128(reinterpret_cast<__m128i*>(coordinates + kCoordinatesPerBox * i + 8 * k),
                        _mm_packs_epi32(steps[2 * k], steps[2 * k + 1]));
@@ -359,8 +368,24 @@ namespace avx2 {
 
 #define SPHERETREE_PATH __attribute__((target("avx2,bmi,bmi2")))
 
-SPHERETREE_PATH inline __m256i repeated(std::uint64_t half) noexcept {
-  return _mm256_set1_epi64x(static_cast<long long>(half));
+constexpr std::uint32_t kLanes = 8;  // two registers
+
+struct Rows {
+  __m256i low[2];
+  __m256i high[2];
+};
+
+SPHERETREE_PATH inline Rows sameRows(std::uint64_t low, std::uint64_t high) noexcept {
+  const __m256i lows = _mm256_set1_epi64x(static_cast<long long>(low));
+  const __m256i highs = _mm256_set1_epi64x(static_cast<long long>(high));
+  return {{lows, lows}, {highs, highs}};
+}
+
+SPHERETREE_PATH inline Rows rowsAt(const std::uint64_t* low, const std::uint64_t* high) noexcept {
+  const auto* const lows = reinterpret_cast<const __m256i*>(low);
+  const auto* const highs = reinterpret_cast<const __m256i*>(high);
+  return {{_mm256_loadu_si256(lows), _mm256_loadu_si256(lows + 1)},
+          {_mm256_loadu_si256(highs), _mm256_loadu_si256(highs + 1)}};
 }
 
 /// Four bits: the records of one register that overlap.
@@ -373,42 +398,40 @@ SPHERETREE_PATH inline std::uint32_t hitsAt(__m256i low, __m256i high, const __m
   return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(hit)));
 }
 
-SPHERETREE_PATH inline std::uint32_t rowHits(__m256i ownLow, __m256i ownHigh, const std::uint64_t* low,
-                                             const std::uint64_t* high) noexcept {
-  const auto* const lows = reinterpret_cast<const __m256i*>(low);
-  const auto* const highs = reinterpret_cast<const __m256i*>(high);
-  return hitsAt(ownLow, ownHigh, lows, highs) | hitsAt(ownLow, ownHigh, lows + 1, highs + 1) << 4;
-}
-
-SPHERETREE_PATH inline std::uint64_t windowHits(const std::uint64_t* low,
-                                                const std::uint64_t* high) noexcept {
-  std::uint64_t hits = 0;
-  for (std::uint32_t k = 0; k < kRow; ++k) {
-    const std::uint32_t row = rowHits(repeated(low[k]), repeated(high[k]), low + k + 1, high + k + 1);
-    hits |= std::uint64_t{row} << (kRow * k);
+/// Bit 8 * step + lane.
+template <std::uint32_t Stride>
+SPHERETREE_PATH inline std::uint32_t groupHits(const Rows& rows, const std::uint64_t* low,
+                                               const std::uint64_t* high) noexcept {
+  std::uint32_t hits = 0;
+#pragma GCC unroll 8
+  for (std::uint32_t step = 0; step < kGroup; ++step) {
+    const auto* const lows = reinterpret_cast<const __m256i*>(low + Stride * step);
+    const auto* const highs = reinterpret_cast<const __m256i*>(high + Stride * step);
+    hits |= hitsAt(rows.low[0], rows.high[0], lows, highs) << (kLanes * step);
+    hits |= hitsAt(rows.low[1], rows.high[1], lows + 1, highs + 1) << (kLanes * step + 4);
   }
   return hits;
 }
 
-SPHERETREE_PATH inline std::uint32_t stepHits(std::uint64_t ownLow, std::uint64_t ownHigh,
-                                              const std::uint64_t* low, const std::uint64_t* high) noexcept {
-  std::uint32_t hits = 0;
-  for (std::uint32_t k = 0; k < kRows; ++k)
-    hits |= rowHits(repeated(ownLow), repeated(ownHigh), low + kRow * k, high + kRow * k) << (kRow * k);
-  return hits;
+constexpr std::uint32_t laneOf(std::uint32_t bit) noexcept {
+  return bit % kLanes;
+}
+
+constexpr std::uint32_t stepOf(std::uint32_t bit) noexcept {
+  return bit / kLanes;
 }
 
 class Ends {
  public:
   SPHERETREE_PATH Ends(const StripScan& scan, std::uint32_t top) noexcept
       : sweepLane_(_mm_cvtsi32_si128(static_cast<int>(scan.sweepLane))),
-        acrossLane_(repeated(std::uint64_t{kMaxCoordinate} << scan.stripLane)),
-        top_(repeated(std::uint64_t{top} << scan.stripLane)),
-        cells_(repeated(std::uint64_t{2 * scan.cells} << scan.sweepLane)),
+        stripLane_(_mm_cvtsi32_si128(static_cast<int>(scan.stripLane))),
+        top_(_mm256_set1_epi64x(top)),
         longest_(_mm256_setzero_si256()) {}
 
   SPHERETREE_PATH void take(const std::uint64_t* low, const std::uint64_t* high) noexcept {
-    const __m256i most = repeated(kCoordinateLanes);
+    const __m256i most = _mm256_set1_epi64x(static_cast<long long>(kCoordinateLanes));
+#pragma GCC unroll 8
     for (int k = 0; k < 2; ++k) {
       const __m256i lows = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(low) + k);
       const __m256i highs = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(high) + k);
@@ -416,48 +439,47 @@ class Ends {
       longest_ = _mm256_max_epi16(longest_, _mm256_sub_epi16(ends_[k], _mm256_and_si256(lows, most)));
     }
   }
+  [[nodiscard]] SPHERETREE_PATH std::uint32_t furthest() const noexcept {
+    return largest(_mm256_max_epi16(ends_[0], ends_[1]));
+  }
   [[nodiscard]] SPHERETREE_PATH std::uint32_t longest() const noexcept {
-    __m128i most = _mm_max_epi16(_mm256_castsi256_si128(longest_), _mm256_extracti128_si256(longest_, 1));
-    most = _mm_srl_epi64(_mm_max_epi16(most, _mm_unpackhi_epi64(most, most)), sweepLane_);
-    return static_cast<std::uint32_t>(_mm_cvtsi128_si32(most)) & kMaxCoordinate;
+    return largest(longest_);
   }
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t reaching(const std::uint64_t* behind) const noexcept {
-    std::uint32_t before = 0;
-    for (int k = 0; k < 2; ++k) {
-      // The number of cells stands in the lane of the sweep axis only, so nothing else comes out.
-      const __m256i begins = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(behind) + k);
-      const __m256i from = _mm256_mulhi_epu16(_mm256_and_si256(begins, repeated(kCoordinateLanes)), cells_);
-      before |= bitsOf(_mm256_cmpgt_epi64(from, _mm256_mulhi_epu16(ends_[k], cells_))) << (4 * k);
-    }
-    return before ^ ((1U << kRow) - 1);
-  }
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t crossing() const noexcept {
+  SPHERETREE_PATH void addCrossings(std::uint32_t first, RecordList& list) const noexcept {
+    const __m256i lane = _mm256_set1_epi64x(kMaxCoordinate);
     std::uint32_t crossing = 0;
-    for (int k = 0; k < 2; ++k)
-      crossing |= bitsOf(_mm256_cmpgt_epi64(_mm256_and_si256(ends_[k], acrossLane_), top_)) << (4 * k);
-    return crossing;
-  }
-  static void add(std::uint32_t which, std::uint32_t first, RecordList& list) noexcept {
-    for (std::uint32_t k = 0; k < kRow; ++k) {
+#pragma GCC unroll 8
+    for (int k = 0; k < 2; ++k) {
+      const __m256i across = _mm256_and_si256(_mm256_srl_epi64(ends_[k], stripLane_), lane);
+      const int mask = _mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpgt_epi64(across, top_)));
+      crossing |= static_cast<std::uint32_t>(mask) << (4 * k);
+    }
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
       list.records[list.count] = first + k;
-      list.count += which >> k & 1U;
+      list.count += crossing >> k & 1U;
     }
   }
 
  private:
-  SPHERETREE_PATH static std::uint32_t bitsOf(__m256i mask) noexcept {
-    return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(mask)));
+  /// Along the sweep axis.
+  [[nodiscard]] SPHERETREE_PATH std::uint32_t largest(__m256i lanes) const noexcept {
+    __m128i most = _mm_max_epi16(_mm256_castsi256_si128(lanes), _mm256_extracti128_si256(lanes, 1));
+    most = _mm_srl_epi64(_mm_max_epi16(most, _mm_unpackhi_epi64(most, most)), sweepLane_);
+    return static_cast<std::uint32_t>(_mm_cvtsi128_si32(most)) & kMaxCoordinate;
   }
 
   __m128i sweepLane_;
-  __m256i acrossLane_;
-  __m256i top_;    // last coordinate of the strip
-  __m256i cells_;  // twice their number: the upper half of the product is partOf()
+  __m128i stripLane_;
+  __m256i top_;  // last coordinate of the strip
   __m256i longest_;
   __m256i ends_[2];
 };
 
 #include "sweep_scan.inl"
+// Needs the above.
+#include "sweep_distances.inl"
+// And all of them.
+#include "sweep_strip.inl"
 
 SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
                                          std::uint16_t* coordinates, std::uint32_t* homes) {
@@ -467,6 +489,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
   __m256 origin[3];
   __m256 scale[3];
   __m256i isMin[3];
+#pragma GCC unroll 8
   for (std::size_t k = 0; k < 3; ++k) {
     origin[k] = _mm256_loadu_ps(lanes.origin + 8 * k);
     scale[k] = _mm256_loadu_ps(lanes.scale + 8 * k);
@@ -478,6 +501,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
     const float* const in = &boxes[i].min.x;
     __m256i steps[6];
     __m256i extents = _mm256_setzero_si256();
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 6; ++k) {
       const __m256 value = _mm256_loadu_ps(in + 8 * k);
       const __m256i extent = _mm256_castps_si256(_mm256_sub_ps(_mm256_loadu_ps(in + 8 * k + 3), value));
@@ -492,6 +516,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
       continue;
     }
     constexpr int kInOrder = 0b11011000;  // packing interleaves the two halves of its arguments
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 3; ++k) {
       const __m256i packed = _mm256_packus_epi32(steps[2 * k], steps[2 * k + 1]);
       _mm256_storeu_si256(reinterpret_cast<__m256i*>(coordinates + kCoordinatesPerBox * i + 16 * k),
@@ -519,22 +544,53 @@ namespace avx512 {
 
 #define SPHERETREE_PATH __attribute__((target("avx2,bmi,bmi2,popcnt,avx512f,avx512bw,avx512vl,avx512dq")))
 
-SPHERETREE_PATH inline __m512i repeated(std::uint64_t half) noexcept {
-  return _mm512_set1_epi64(static_cast<long long>(half));
+constexpr std::uint32_t kLanes = 8;
+
+struct Rows {
+  __m512i low;
+  __m512i high;
+};
+
+SPHERETREE_PATH inline Rows sameRows(std::uint64_t low, std::uint64_t high) noexcept {
+  return {_mm512_set1_epi64(static_cast<long long>(low)), _mm512_set1_epi64(static_cast<long long>(high))};
 }
 
-SPHERETREE_PATH inline __mmask8 rowHits(__m512i ownLow, __m512i ownHigh, const std::uint64_t* low,
-                                        const std::uint64_t* high) noexcept {
-  const __m512i apart = _mm512_or_si512(_mm512_add_epi16(ownHigh, _mm512_loadu_si512(low)),
-                                        _mm512_add_epi16(ownLow, _mm512_loadu_si512(high)));
-  return _mm512_testn_epi64_mask(apart, repeated(kSpareBits));
+SPHERETREE_PATH inline Rows rowsAt(const std::uint64_t* low, const std::uint64_t* high) noexcept {
+  return {_mm512_loadu_si512(low), _mm512_loadu_si512(high)};
 }
 
+SPHERETREE_PATH inline __mmask8 hitsAt(const Rows& rows, const std::uint64_t* low,
+                                       const std::uint64_t* high) noexcept {
+  const __m512i apart = _mm512_or_si512(_mm512_add_epi16(rows.high, _mm512_loadu_si512(low)),
+                                        _mm512_add_epi16(rows.low, _mm512_loadu_si512(high)));
+  return _mm512_testn_epi64_mask(apart, _mm512_set1_epi64(static_cast<long long>(kSpareBits)));
+}
+
+/// Bit 8 * step + lane.
+template <std::uint32_t Stride>
+SPHERETREE_PATH inline std::uint32_t groupHits(const Rows& rows, const std::uint64_t* low,
+                                               const std::uint64_t* high) noexcept {
+  const __mmask16 first = _mm512_kunpackb(hitsAt(rows, low + Stride, high + Stride), hitsAt(rows, low, high));
+  const __mmask16 second = _mm512_kunpackb(hitsAt(rows, low + 3 * Stride, high + 3 * Stride),
+                                           hitsAt(rows, low + 2 * Stride, high + 2 * Stride));
+  return _cvtmask32_u32(_mm512_kunpackw(second, first));
+}
+
+constexpr std::uint32_t laneOf(std::uint32_t bit) noexcept {
+  return bit % kLanes;
+}
+
+constexpr std::uint32_t stepOf(std::uint32_t bit) noexcept {
+  return bit / kLanes;
+}
+
+/// Eight records, each against the eight that follow it: bit 8 * record + lane.
 SPHERETREE_PATH inline std::uint64_t windowHits(const std::uint64_t* low,
                                                 const std::uint64_t* high) noexcept {
-  __mmask8 rows[kRow];
-  for (std::uint32_t k = 0; k < kRow; ++k)
-    rows[k] = rowHits(repeated(low[k]), repeated(high[k]), low + k + 1, high + k + 1);
+  __mmask8 rows[kLanes];
+#pragma GCC unroll 8
+  for (std::uint32_t k = 0; k < kLanes; ++k)
+    rows[k] = hitsAt(sameRows(low[k], high[k]), low + k + 1, high + k + 1);
   const __mmask32 lower =
       _mm512_kunpackw(_mm512_kunpackb(rows[3], rows[2]), _mm512_kunpackb(rows[1], rows[0]));
   const __mmask32 upper =
@@ -542,20 +598,11 @@ SPHERETREE_PATH inline std::uint64_t windowHits(const std::uint64_t* low,
   return _cvtmask64_u64(_mm512_kunpackd(upper, lower));
 }
 
-SPHERETREE_PATH inline std::uint32_t stepHits(std::uint64_t ownLow, std::uint64_t ownHigh,
-                                              const std::uint64_t* low, const std::uint64_t* high) noexcept {
-  __mmask8 rows[kRows];
-  for (std::uint32_t k = 0; k < kRows; ++k)
-    rows[k] = rowHits(repeated(ownLow), repeated(ownHigh), low + kRow * k, high + kRow * k);
-  return _cvtmask32_u32(
-      _mm512_kunpackw(_mm512_kunpackb(rows[3], rows[2]), _mm512_kunpackb(rows[1], rows[0])));
-}
-
 class Ends {
  public:
   SPHERETREE_PATH Ends(const StripScan& scan, std::uint32_t top) noexcept
       : sweepLane_(_mm_cvtsi32_si128(static_cast<int>(scan.sweepLane))),
-        acrossLane_(repeated(std::uint64_t{kMaxCoordinate} << scan.stripLane)),
+        across_(repeated(std::uint64_t{kMaxCoordinate} << scan.stripLane)),
         top_(repeated(std::uint64_t{top} << scan.stripLane)),
         cells_(repeated(std::uint64_t{2 * scan.cells} << scan.sweepLane)),
         longest_(_mm512_setzero_si512()),
@@ -574,25 +621,30 @@ class Ends {
     most = _mm_srl_epi64(_mm_max_epi16(most, _mm_unpackhi_epi64(most, most)), sweepLane_);
     return static_cast<std::uint32_t>(_mm_cvtsi128_si32(most)) & kMaxCoordinate;
   }
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t reaching(const std::uint64_t* behind) const noexcept {
+  /// Those that end in the cell, or behind it, where the records from `low` on begin, one by one.
+  [[nodiscard]] SPHERETREE_PATH __mmask8 reaching(const std::uint64_t* low) const noexcept {
     // The number of cells stands in the lane of the sweep axis only, so nothing else comes out.
-    const __m512i begins = _mm512_and_si512(_mm512_loadu_si512(behind), repeated(kCoordinateLanes));
+    const __m512i begins = _mm512_and_si512(_mm512_loadu_si512(low), repeated(kCoordinateLanes));
     return _mm512_cmpge_epu64_mask(_mm512_mulhi_epu16(ends_, cells_), _mm512_mulhi_epu16(begins, cells_));
   }
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t crossing() const noexcept {
-    return _mm512_cmpgt_epu64_mask(_mm512_and_si512(ends_, acrossLane_), top_);
+  SPHERETREE_PATH void addCrossings(std::uint32_t first, RecordList& list) const noexcept {
+    add(_mm512_cmpgt_epu64_mask(_mm512_and_si512(ends_, across_), top_), first, list);
   }
-  SPHERETREE_PATH static void add(std::uint32_t which, std::uint32_t first, RecordList& list) noexcept {
+  SPHERETREE_PATH static void add(__mmask8 which, std::uint32_t first, RecordList& list) noexcept {
     const __m256i records = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)),
                                              _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(list.records + list.count),
-                        _mm256_maskz_compress_epi32(static_cast<__mmask8>(which), records));
+                        _mm256_maskz_compress_epi32(which, records));
     list.count += static_cast<std::uint32_t>(_mm_popcnt_u32(which));
   }
 
  private:
+  SPHERETREE_PATH static __m512i repeated(std::uint64_t half) noexcept {
+    return _mm512_set1_epi64(static_cast<long long>(half));
+  }
+
   __m128i sweepLane_;
-  __m512i acrossLane_;
+  __m512i across_;
   __m512i top_;    // last coordinate of the strip
   __m512i cells_;  // twice their number: the upper half of the product is partOf()
   __m512i longest_;
@@ -600,6 +652,38 @@ class Ends {
 };
 
 #include "sweep_scan.inl"
+
+/// Every record meets the eight behind it, without a branch; those that reach farther are set aside, too.
+class Neighbours {
+ public:
+  SPHERETREE_PATH void meet(StripScan& scan, HitList& hits, const Ends& ends, const std::uint32_t* bounds,
+                            std::uint32_t first) noexcept {
+    const std::uint32_t end = bounds[scan.cells];
+    const std::uint64_t* const low = scan.low + first;
+    const std::uint64_t mask = windowHits(low, scan.high + first);
+    if (hits.add({mask, first, first + 1, end, 0, 1, 1})) flush(scan, hits);
+    scan.tests += kLanes * kLanes;
+    // Of the last records of a strip, those behind the eight belong to another one.
+    const std::uint32_t inside = std::min(kLanes, end - std::min(end, first + kLanes + 1));
+    const auto counted = static_cast<__mmask8>((1U << inside) - 1);
+    Ends::add(static_cast<__mmask8>(ends.reaching(low + kLanes + 1) & counted), first, far_);
+    if (far_.full()) finish(scan, hits, bounds);
+  }
+
+  SPHERETREE_PATH void finish(StripScan& scan, HitList& hits, const std::uint32_t* bounds) noexcept {
+    for (std::uint32_t k = 0; k < far_.count; ++k) {
+      const std::uint32_t i = far_.records[k];
+      const std::uint32_t last = kMaxCoordinate - coordinateOf(scan.high[i], scan.sweepLane);
+      testRange(scan, hits, i, i + kLanes + 1, bounds[partOf(last, scan.cells) + 1]);
+    }
+    far_.count = 0;
+  }
+
+ private:
+  RecordList far_;
+};
+
+#include "sweep_strip.inl"
 
 /// Finds the cells of sixteen boxes whose coordinates fill three registers.
 class HomeFinder {
@@ -651,6 +735,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
   __m512 origin[3];
   __m512 scale[3];
   __m512i isMin[3];
+#pragma GCC unroll 8
   for (std::size_t k = 0; k < 3; ++k) {
     origin[k] = _mm512_loadu_ps(lanes.origin + 16 * k);
     scale[k] = _mm512_loadu_ps(lanes.scale + 16 * k);
@@ -661,6 +746,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
     const float* const in = &boxes[i].min.x;
     __m512i steps[6];
     __m512i extents = _mm512_setzero_si512();
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 6; ++k) {
       const __m512 value = _mm512_loadu_ps(in + 16 * k);
       const __m512i extent = _mm512_castps_si512(_mm512_sub_ps(_mm512_loadu_ps(in + 16 * k + 3), value));
@@ -674,6 +760,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
       continue;
     }
     __m512i packed[3];
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 3; ++k) {
       packed[k] = _mm512_permutexvar_epi64(inOrder, _mm512_packus_epi32(steps[2 * k], steps[2 * k + 1]));
       _mm512_storeu_si512(coordinates + kCoordinatesPerBox * i + 32 * k, packed[k]);

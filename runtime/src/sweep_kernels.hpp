@@ -25,8 +25,11 @@ inline constexpr std::uint64_t kSpareBits = 0x0000'8000'8000'8000U;
 inline constexpr unsigned kNumberLane = 48;  // where a record keeps half of its body's number
 inline constexpr std::size_t kCoordinatesPerBox = 6;
 
+/// Most records tested in one step.
+inline constexpr std::size_t kMostLanes = 8;
+
 /// Records that a scan may read, and ignore, behind the last one.
-inline constexpr std::size_t kRecordPadding = 48;
+inline constexpr std::size_t kRecordPadding = 6 * kMostLanes;
 
 /// Writes six coordinates per box (min x y z, max x y z), clamp((v - origin) * scale), which is monotone, and
 /// the cell where the box is filed: strip * cells + cell, or strips * cells when it is absent. Returns the
