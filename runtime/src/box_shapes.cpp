@@ -2,16 +2,16 @@
 //
 // Boxes as shapes. Box against box by separating axes, after S. Gottschalk, M. C. Lin and D. Manocha,
 // "OBBTree", SIGGRAPH 1996: three faces of each and nine pairs of edges. Box against ball by the nearest
-// point of the box.
+// point of the box, eight balls at once (pair_walk.cpp).
 
 #include "box_shapes.hpp"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "pair_walk.hpp"
 #include "relative_pose.hpp"
 
 namespace spheretree::detail {
@@ -51,56 +51,12 @@ float reachOf(const Axes& axes, Vec3 half, Vec3 direction) noexcept {
 
 constexpr Axes kOwnAxes{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}};
 
-class BoxTreeSearch {
- public:
-  BoxTreeSearch(Vec3 half, const QueryTree& tree, const RelativePose& pose, std::uint32_t lastLevel) noexcept
-      : half_(half),
-        tree_(tree),
-        pose_(pose),
-        lastLevel_(std::min(lastLevel, static_cast<std::uint32_t>(tree.levelCount() - 1))),
-        margin_(marginOf(pose, tree.extent(), extentOf(half))) {}
-
-  [[nodiscard]] bool run() noexcept {
-    const Sphere root = place(pose_, tree_.root(), margin_);
-    if (!touches(root)) return false;
-    found_ = root;
-    return lastLevel_ == 0 || visit(tree_.rootFamily(), 1);
-  }
-
-  /// The ball that touches, its radius without the margin.
-  [[nodiscard]] Sphere found() const noexcept {
-    return {found_.center, std::max(0.0F, found_.radius - margin_)};
-  }
-
- private:
-  [[nodiscard]] bool touches(const Sphere& ball) const noexcept {
-    const Vec3 c = ball.center;
-    const Vec3 out{std::max(0.0F, std::abs(c.x) - half_.x), std::max(0.0F, std::abs(c.y) - half_.y),
-                   std::max(0.0F, std::abs(c.z) - half_.z)};
-    return !(dot(out, out) > ball.radius * ball.radius);
-  }
-
-  [[nodiscard]] bool visit(QueryTree::Family family, std::uint32_t level) noexcept {
-    for (std::uint32_t i = 0; i <= family.further; ++i) {
-      std::uint32_t lanes = i == 0 ? family.lanes : tree_.lanes(family.block + i);
-      for (; lanes != 0; lanes &= lanes - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-        const Sphere ball = place(pose_, tree_.ball(family.block + i, lane), margin_);
-        if (!touches(ball)) continue;
-        found_ = ball;
-        if (level == lastLevel_ || visit(tree_.family(family.block + i, lane), level + 1)) return true;
-      }
-    }
-    return false;
-  }
-
-  Vec3 half_;
-  const QueryTree& tree_;
-  const RelativePose& pose_;
-  std::uint32_t lastLevel_;
-  float margin_;
-  Sphere found_;
-};
+bool touches(Vec3 half, const Sphere& ball) noexcept {
+  const Vec3 c = ball.center;
+  const Vec3 out{std::max(0.0F, std::abs(c.x) - half.x), std::max(0.0F, std::abs(c.y) - half.y),
+                 std::max(0.0F, std::abs(c.z) - half.z)};
+  return !(dot(out, out) > ball.radius * ball.radius);
+}
 
 }  // namespace
 
@@ -150,10 +106,21 @@ bool touch(const PosedBox& a, const PosedBox& b, ShapeContact& contact) noexcept
 
 bool touch(const PosedBox& box, const PosedTree& tree, std::uint32_t level, ShapeContact& contact) noexcept {
   const RelativePose pose = relativePose(tree.pose, box.pose);
-  BoxTreeSearch search(box.halfEdges, tree.tree, pose, level);
-  if (!search.run()) return false;
-  const Sphere ball = search.found();
   const Vec3 half = box.halfEdges;
+  const float margin = marginOf(pose, tree.tree.extent(), extentOf(half));
+  const auto lastLevel = std::min(level, static_cast<std::uint32_t>(tree.tree.levelCount() - 1));
+  Sphere ball = place(pose, tree.tree.root(), margin);
+  if (!touches(half, ball)) return false;
+  if (lastLevel > 0) {
+    BoxWalk walk;
+    walk.half = half;
+    walk.tree = &tree.tree;
+    walk.level = lastLevel;
+    setPlacement(walk.placement, pose, margin);
+    if (!walkPaths(activeSimd()).box(walk)) return false;
+    ball = walk.found;
+  }
+  ball.radius = std::max(0.0F, ball.radius - margin);
   const Vec3 c = ball.center;
   Vec3 nearest{std::clamp(c.x, -half.x, half.x), std::clamp(c.y, -half.y, half.y),
                std::clamp(c.z, -half.z, half.z)};
@@ -181,13 +148,9 @@ bool touch(const PosedBox& box, const PosedTree& tree, std::uint32_t level, Shap
   contact.point = transform(box.pose, nearest);
   contact.normal = rotate(box.pose.rotation, normal);
   contact.depth = box.pose.scale * std::max(0.0F, depth);
-  contact.level = std::min(level, static_cast<std::uint32_t>(tree.tree.levelCount() - 1));
+  contact.level = lastLevel;
+  contact.rounding = 2 * box.pose.scale * margin;
   return true;
-}
-
-float slackOf(const PosedBox& box, const PosedTree& tree) noexcept {
-  const RelativePose pose = relativePose(tree.pose, box.pose);
-  return 2 * box.pose.scale * marginOf(pose, tree.tree.extent(), extentOf(box.halfEdges));
 }
 
 }  // namespace spheretree::detail

@@ -25,6 +25,7 @@ struct ShapeContact {
   Vec3 normal;
   float depth = 0;
   std::uint32_t level = 0;
+  float rounding = 0;  // what rounding and the margin add to a slack; of a box and a tree
 };
 
 /// Whether two closed boxes share a point; never misses one.
@@ -33,8 +34,5 @@ struct ShapeContact {
 /// Whether a closed box and a chain of balls down to `level` do; never misses. The box counts as solid.
 [[nodiscard]] bool touch(const PosedBox& box, const PosedTree& tree, std::uint32_t level,
                          ShapeContact& contact) noexcept;
-
-/// What rounding and the margin add to a slack, world units.
-[[nodiscard]] float slackOf(const PosedBox& box, const PosedTree& tree) noexcept;
 
 }  // namespace spheretree::detail

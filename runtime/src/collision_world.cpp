@@ -298,7 +298,7 @@ void CollisionWorld::collideMixed(const BodyPair& pair, std::vector<Contact>& ou
     if (!boxFirst) touched.normal = -touched.normal;
     float standOff = tree.tree.standOff(0);
     for (std::uint32_t k = 1; k <= touched.level; ++k) standOff = std::min(standOff, tree.tree.standOff(k));
-    slack = tree.pose.scale * standOff + slackOf(box, tree);
+    slack = tree.pose.scale * standOff + touched.rounding;
   }
   out.push_back({pair.a, pair.b, touched.point, touched.normal, touched.depth, slack, touched.level, true});
 }

@@ -40,7 +40,7 @@ float microsecondsSince(Clock::time_point start) noexcept {
 
 /// The walk with a clock beside it.
 void walkTimed(detail::PairWalk& walk, const detail::WalkLimits& limits, float microseconds) noexcept {
-  const detail::WalkFunction advance = detail::walkPath(activeSimd());
+  const detail::WalkFunction advance = detail::walkPaths(activeSimd()).pair;
   if (!(microseconds < std::numeric_limits<float>::infinity())) {
     advance(walk, limits);
     return;
@@ -68,11 +68,7 @@ void PairQuery::restart(const Pose& a, const Pose& b) noexcept {
   const float reach = rootB.radius + placed.radius;
   const bool usable = margin < std::numeric_limits<float>::infinity();
   const bool apart = usable && dot(d, d) > reach * reach;
-  if (pose.turned) walk_.matrix = pose.matrix;
-  walk_.shift = pose.shift;
-  walk_.scale = pose.scale;
-  walk_.turned = pose.turned;
-  walk_.margin = margin;
+  detail::setPlacement(walk_.placement, pose, margin);
   walk_.rootA = placed;
   walk_.fresh = usable && !apart;
   walk_.depth = -1;
@@ -114,11 +110,11 @@ float PairQuery::slackBound() const noexcept {
     standOff = std::min(standOff,
                         scaleA_ * walk_.treeA->standOff(level) + poseB_.scale * walk_.treeB->standOff(level));
   }
-  return (standOff + 2 * walk_.margin * poseB_.scale) * kRoundUp;
+  return (standOff + 2 * walk_.placement.margin * poseB_.scale) * kRoundUp;
 }
 
 BallContact PairQuery::contactOf(const Sphere& a, const Sphere& b, std::uint32_t level) const noexcept {
-  const float radiusA = std::max(0.0F, a.radius - walk_.margin);
+  const float radiusA = std::max(0.0F, a.radius - walk_.placement.margin);
   const Vec3 apart = b.center - a.center;
   const float distance = length(apart);
   const Vec3 normal = distance > 0 ? (1 / distance) * apart : Vec3{1, 0, 0};

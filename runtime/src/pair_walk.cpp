@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// The inner loop of the pair query: eight balls, moved into another frame, against eight balls.
+// The inner loops of the queries: eight balls, moved into another frame, against eight balls or a box.
 //
 // The key of a pair is (r + s)^2 - d^2. Its sign says whether the balls overlap: a difference of two finite
 // floats is rounded, but never across zero. As integers, keys of overlapping pairs are ordered like the
 // floats; their last six bits make room for the number of the pair, so one maximum finds the deepest overlap
-// and where it is.
+// and where it is. A ball of radius r that is d away from a box has the key r^2 - d^2.
 
 #include "pair_walk.hpp"
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 
+#include "relative_pose.hpp"
 #include "simd_paths.hpp"
 
 #if SPHERETREE_X86
@@ -24,6 +27,14 @@ namespace {
 
 constexpr std::uint32_t kAllLanes = (1U << kBlockLanes) - 1;
 constexpr std::int32_t kPairBits = 63;  // of a key, taken by the number of its pair
+
+constexpr std::int32_t kLaneBits = 7;  // of a key, taken by the number of its ball
+
+/// The outcome of eight against a box.
+struct BoxHits {
+  std::uint32_t lanes = 0;   // that touch
+  std::int32_t deepest = 0;  // the largest key, 7 minus the number of its lane in the last bits
+};
 
 /// The outcome of eight against eight.
 struct Overlaps {
@@ -52,21 +63,22 @@ namespace scalar {
 #define SPHERETREE_PATH
 #include "pair_walk.inl"
 
-inline void place(const PairWalk& walk, const BallBlock& from, BallBlock& to) {
-  const auto& m = walk.matrix;
+inline void place(const BallPlacement& how, const BallBlock& from, BallBlock& to) {
+  const auto& m = how.pose.matrix;
   for (std::uint32_t i = 0; i < kBlockLanes; ++i) {
     const float x = from.x[i];
     const float y = from.y[i];
     const float z = from.z[i];
-    to.x[i] = walk.turned ? m[0] * x + m[1] * y + m[2] * z + walk.shift.x : x + walk.shift.x;
-    to.y[i] = walk.turned ? m[3] * x + m[4] * y + m[5] * z + walk.shift.y : y + walk.shift.y;
-    to.z[i] = walk.turned ? m[6] * x + m[7] * y + m[8] * z + walk.shift.z : z + walk.shift.z;
-    to.radius[i] = walk.scale * from.radius[i] + walk.margin;
+    to.x[i] = how.pose.turned ? m[0] * x + m[1] * y + m[2] * z + how.pose.shift.x : x + how.pose.shift.x;
+    to.y[i] = how.pose.turned ? m[3] * x + m[4] * y + m[5] * z + how.pose.shift.y : y + how.pose.shift.y;
+    to.z[i] = how.pose.turned ? m[6] * x + m[7] * y + m[8] * z + how.pose.shift.z : z + how.pose.shift.z;
+    to.radius[i] = how.pose.scale * from.radius[i] + how.margin;
   }
 }
 
-inline Overlaps testBlocks(const PairWalk& walk, const BallBlock& blockA, const BallBlock& b, BallBlock& a) {
-  place(walk, blockA, a);
+inline Overlaps testBlocks(const BallPlacement& how, const BallBlock& blockA, const BallBlock& b,
+                           BallBlock& a) {
+  place(how, blockA, a);
   Overlaps overlaps{0, std::numeric_limits<std::int32_t>::min()};
   for (std::uint32_t j = 0; j < kBlockLanes; ++j) {
     std::uint32_t row = 0;
@@ -84,6 +96,23 @@ inline Overlaps testBlocks(const PairWalk& walk, const BallBlock& blockA, const 
     overlaps.pairs |= std::uint64_t{row} << (j * kBlockLanes);
   }
   return overlaps;
+}
+
+inline BoxHits testBlock(const BoxWalk& walk, const BallBlock& block) {
+  BallBlock a;
+  place(walk.placement, block, a);
+  BoxHits hits{0, std::numeric_limits<std::int32_t>::min()};
+  for (std::uint32_t i = 0; i < kBlockLanes; ++i) {
+    const float dx = std::max(std::abs(a.x[i]) - walk.half.x, 0.0F);
+    const float dy = std::max(std::abs(a.y[i]) - walk.half.y, 0.0F);
+    const float dz = std::max(std::abs(a.z[i]) - walk.half.z, 0.0F);
+    const float squared = dx * dx + dy * dy + dz * dz;
+    const float reach = a.radius[i] * a.radius[i];
+    hits.lanes |= (squared > reach ? 0U : 1U) << i;
+    const auto bits = std::bit_cast<std::int32_t>(reach - squared);
+    hits.deepest = std::max(hits.deepest, (bits & ~kLaneBits) | (kLaneBits - static_cast<std::int32_t>(i)));
+  }
+  return hits;
 }
 
 #undef SPHERETREE_PATH
@@ -108,17 +137,22 @@ inline __m128 turn(const float* row, const Balls& p, float shift) {
   return _mm_add_ps(_mm_add_ps(xy, _mm_mul_ps(_mm_set1_ps(row[2]), p.z)), _mm_set1_ps(shift));
 }
 
-inline Balls place(const PairWalk& walk, const BallBlock& from, BallBlock& to, std::uint32_t first) {
+inline Balls placed(const BallPlacement& how, const BallBlock& from, std::uint32_t first) {
   Balls p{_mm_load_ps(&from.x[first]), _mm_load_ps(&from.y[first]), _mm_load_ps(&from.z[first]),
           _mm_load_ps(&from.radius[first])};
-  if (walk.turned) {
-    p = {turn(&walk.matrix[0], p, walk.shift.x), turn(&walk.matrix[3], p, walk.shift.y),
-         turn(&walk.matrix[6], p, walk.shift.z), p.radius};
+  if (how.pose.turned) {
+    p = {turn(&how.pose.matrix[0], p, how.pose.shift.x), turn(&how.pose.matrix[3], p, how.pose.shift.y),
+         turn(&how.pose.matrix[6], p, how.pose.shift.z), p.radius};
   } else {
-    p = {_mm_add_ps(p.x, _mm_set1_ps(walk.shift.x)), _mm_add_ps(p.y, _mm_set1_ps(walk.shift.y)),
-         _mm_add_ps(p.z, _mm_set1_ps(walk.shift.z)), p.radius};
+    p = {_mm_add_ps(p.x, _mm_set1_ps(how.pose.shift.x)), _mm_add_ps(p.y, _mm_set1_ps(how.pose.shift.y)),
+         _mm_add_ps(p.z, _mm_set1_ps(how.pose.shift.z)), p.radius};
   }
-  p.radius = _mm_add_ps(_mm_mul_ps(_mm_set1_ps(walk.scale), p.radius), _mm_set1_ps(walk.margin));
+  p.radius = _mm_add_ps(_mm_mul_ps(_mm_set1_ps(how.pose.scale), p.radius), _mm_set1_ps(how.margin));
+  return p;
+}
+
+inline Balls place(const BallPlacement& how, const BallBlock& from, BallBlock& to, std::uint32_t first) {
+  const Balls p = placed(how, from, first);
   _mm_store_ps(&to.x[first], p.x);
   _mm_store_ps(&to.y[first], p.y);
   _mm_store_ps(&to.z[first], p.z);
@@ -146,10 +180,15 @@ inline __m128i numbered(__m128 keys, std::uint32_t firstPair) {
   return _mm_or_si128(_mm_and_si128(_mm_castps_si128(keys), _mm_set1_epi32(~kPairBits)), number);
 }
 
-inline Overlaps testBlocks(const PairWalk& walk, const BallBlock& blockA, const BallBlock& blockB,
+inline std::int32_t largest(__m128i values) {
+  values = larger(values, _mm_shuffle_epi32(values, _MM_SHUFFLE(1, 0, 3, 2)));
+  return _mm_cvtsi128_si32(larger(values, _mm_shuffle_epi32(values, _MM_SHUFFLE(2, 3, 0, 1))));
+}
+
+inline Overlaps testBlocks(const BallPlacement& how, const BallBlock& blockA, const BallBlock& blockB,
                            BallBlock& placed) {
-  const Balls low = place(walk, blockA, placed, 0);
-  const Balls high = place(walk, blockA, placed, 4);
+  const Balls low = place(how, blockA, placed, 0);
+  const Balls high = place(how, blockA, placed, 4);
   std::uint64_t apart = 0;
   __m128i deepest = _mm_set1_epi32(std::numeric_limits<std::int32_t>::min());
   for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) {
@@ -160,9 +199,32 @@ inline Overlaps testBlocks(const PairWalk& walk, const BallBlock& blockA, const 
     deepest = larger(
         deepest, larger(numbered(keysLow, lane * kBlockLanes), numbered(keysHigh, lane * kBlockLanes + 4)));
   }
-  deepest = larger(deepest, _mm_shuffle_epi32(deepest, _MM_SHUFFLE(1, 0, 3, 2)));
-  deepest = larger(deepest, _mm_shuffle_epi32(deepest, _MM_SHUFFLE(2, 3, 0, 1)));
-  return {~apart, _mm_cvtsi128_si32(deepest)};
+  return {~apart, largest(deepest)};
+}
+
+/// How far outside a slab.
+inline __m128 outside(__m128 place, float half) {
+  const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0F), place);
+  return _mm_max_ps(_mm_sub_ps(size, _mm_set1_ps(half)), _mm_setzero_ps());
+}
+
+inline BoxHits testBlock(const BoxWalk& walk, const BallBlock& block) {
+  std::uint32_t apart = 0;
+  __m128i deepest = _mm_set1_epi32(std::numeric_limits<std::int32_t>::min());
+  for (std::uint32_t first = 0; first < kBlockLanes; first += 4) {
+    const Balls a = placed(walk.placement, block, first);
+    const __m128 dx = outside(a.x, walk.half.x);
+    const __m128 dy = outside(a.y, walk.half.y);
+    const __m128 dz = outside(a.z, walk.half.z);
+    const __m128 squared = _mm_add_ps(_mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy)), _mm_mul_ps(dz, dz));
+    const __m128 reach = _mm_mul_ps(a.radius, a.radius);
+    apart |= static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmpgt_ps(squared, reach))) << first;
+    const __m128i number =
+        _mm_sub_epi32(_mm_setr_epi32(7, 6, 5, 4), _mm_set1_epi32(static_cast<std::int32_t>(first)));
+    const __m128i keys = _mm_castps_si128(_mm_sub_ps(reach, squared));
+    deepest = larger(deepest, _mm_or_si128(_mm_and_si128(keys, _mm_set1_epi32(~kLaneBits)), number));
+  }
+  return {apart ^ kAllLanes, largest(deepest)};
 }
 
 #undef SPHERETREE_PATH
@@ -185,17 +247,24 @@ SPHERETREE_PATH inline __m256 turn(const float* row, const Balls& p, float shift
   return _mm256_add_ps(_mm256_add_ps(xy, _mm256_mul_ps(_mm256_set1_ps(row[2]), p.z)), _mm256_set1_ps(shift));
 }
 
-SPHERETREE_PATH inline Balls place(const PairWalk& walk, const BallBlock& from, BallBlock& to) {
+SPHERETREE_PATH inline Balls placed(const BallPlacement& how, const BallBlock& from) {
   Balls p{_mm256_load_ps(from.x.data()), _mm256_load_ps(from.y.data()), _mm256_load_ps(from.z.data()),
           _mm256_load_ps(from.radius.data())};
-  if (walk.turned) {
-    p = {turn(&walk.matrix[0], p, walk.shift.x), turn(&walk.matrix[3], p, walk.shift.y),
-         turn(&walk.matrix[6], p, walk.shift.z), p.radius};
+  if (how.pose.turned) {
+    p = {turn(&how.pose.matrix[0], p, how.pose.shift.x), turn(&how.pose.matrix[3], p, how.pose.shift.y),
+         turn(&how.pose.matrix[6], p, how.pose.shift.z), p.radius};
   } else {
-    p = {_mm256_add_ps(p.x, _mm256_set1_ps(walk.shift.x)), _mm256_add_ps(p.y, _mm256_set1_ps(walk.shift.y)),
-         _mm256_add_ps(p.z, _mm256_set1_ps(walk.shift.z)), p.radius};
+    p = {_mm256_add_ps(p.x, _mm256_set1_ps(how.pose.shift.x)),
+         _mm256_add_ps(p.y, _mm256_set1_ps(how.pose.shift.y)),
+         _mm256_add_ps(p.z, _mm256_set1_ps(how.pose.shift.z)), p.radius};
   }
-  p.radius = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(walk.scale), p.radius), _mm256_set1_ps(walk.margin));
+  p.radius =
+      _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(how.pose.scale), p.radius), _mm256_set1_ps(how.margin));
+  return p;
+}
+
+SPHERETREE_PATH inline Balls place(const BallPlacement& how, const BallBlock& from, BallBlock& to) {
+  const Balls p = placed(how, from);
   _mm256_store_ps(to.x.data(), p.x);
   _mm256_store_ps(to.y.data(), p.y);
   _mm256_store_ps(to.z.data(), p.z);
@@ -220,9 +289,15 @@ SPHERETREE_PATH inline __m256i numbered(__m256 keys, std::uint32_t lane) {
   return _mm256_or_si256(cut, number);
 }
 
-SPHERETREE_PATH inline Overlaps testBlocks(const PairWalk& walk, const BallBlock& blockA,
+SPHERETREE_PATH inline std::int32_t largest(__m256i values) {
+  __m128i half = _mm_max_epi32(_mm256_castsi256_si128(values), _mm256_extracti128_si256(values, 1));
+  half = _mm_max_epi32(half, _mm_shuffle_epi32(half, _MM_SHUFFLE(1, 0, 3, 2)));
+  return _mm_cvtsi128_si32(_mm_max_epi32(half, _mm_shuffle_epi32(half, _MM_SHUFFLE(2, 3, 0, 1))));
+}
+
+SPHERETREE_PATH inline Overlaps testBlocks(const BallPlacement& how, const BallBlock& blockA,
                                            const BallBlock& blockB, BallBlock& placed) {
-  const Balls a = place(walk, blockA, placed);
+  const Balls a = place(how, blockA, placed);
   std::uint64_t apart = 0;
   __m256i deepest = _mm256_set1_epi32(std::numeric_limits<std::int32_t>::min());
 #pragma GCC unroll 8
@@ -232,10 +307,28 @@ SPHERETREE_PATH inline Overlaps testBlocks(const PairWalk& walk, const BallBlock
     apart |= std::uint64_t{row} << (lane * kBlockLanes);
     deepest = _mm256_max_epi32(deepest, numbered(keys, lane));
   }
-  __m128i half = _mm_max_epi32(_mm256_castsi256_si128(deepest), _mm256_extracti128_si256(deepest, 1));
-  half = _mm_max_epi32(half, _mm_shuffle_epi32(half, _MM_SHUFFLE(1, 0, 3, 2)));
-  half = _mm_max_epi32(half, _mm_shuffle_epi32(half, _MM_SHUFFLE(2, 3, 0, 1)));
-  return {~apart, _mm_cvtsi128_si32(half)};
+  return {~apart, largest(deepest)};
+}
+
+/// How far outside a slab.
+SPHERETREE_PATH inline __m256 outside(__m256 place, float half) {
+  const __m256 size = _mm256_andnot_ps(_mm256_set1_ps(-0.0F), place);
+  return _mm256_max_ps(_mm256_sub_ps(size, _mm256_set1_ps(half)), _mm256_setzero_ps());
+}
+
+SPHERETREE_PATH inline BoxHits testBlock(const BoxWalk& walk, const BallBlock& block) {
+  const Balls a = placed(walk.placement, block);
+  const __m256 dx = outside(a.x, walk.half.x);
+  const __m256 dy = outside(a.y, walk.half.y);
+  const __m256 dz = outside(a.z, walk.half.z);
+  const __m256 xy = _mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy));
+  const __m256 squared = _mm256_add_ps(xy, _mm256_mul_ps(dz, dz));
+  const __m256 reach = _mm256_mul_ps(a.radius, a.radius);
+  const auto apart =
+      static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(squared, reach, _CMP_GT_OQ)));
+  const __m256i cut =
+      _mm256_and_si256(_mm256_castps_si256(_mm256_sub_ps(reach, squared)), _mm256_set1_epi32(~kLaneBits));
+  return {apart ^ kAllLanes, largest(_mm256_or_si256(cut, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0)))};
 }
 
 #undef SPHERETREE_PATH
@@ -246,13 +339,13 @@ SPHERETREE_PATH inline Overlaps testBlocks(const PairWalk& walk, const BallBlock
 
 }  // namespace
 
-WalkFunction walkPath(SimdLevel level) noexcept {
+WalkPaths walkPaths(SimdLevel level) noexcept {
 #if SPHERETREE_X86
-  if (level >= SimdLevel::Avx2) return avx2::advance;
-  if (level >= SimdLevel::Sse2) return sse2::advance;
+  if (level >= SimdLevel::Avx2) return {avx2::advance, avx2::touchBox};
+  if (level >= SimdLevel::Sse2) return {sse2::advance, sse2::touchBox};
 #endif
   static_cast<void>(level);
-  return scalar::advance;
+  return {scalar::advance, scalar::touchBox};
 }
 
 }  // namespace spheretree::detail

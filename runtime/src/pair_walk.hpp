@@ -24,7 +24,25 @@ struct WalkLimits {
 /// is.
 using WalkFunction = WalkEnd (*)(PairWalk&, WalkLimits);
 
-/// The walk of a SIMD path. All of them give the same bits.
-[[nodiscard]] WalkFunction walkPath(SimdLevel level) noexcept;
+/// A box around the origin against a tree.
+struct BoxWalk {
+  Vec3 half;  // of the edges
+  const QueryTree* tree = nullptr;
+  BallPlacement placement;  // of the tree in the frame of the box
+  std::uint32_t level = 1;  // whose balls decide, at least 1
+  Sphere found;             // the placed ball that touches
+};
+
+/// Walks down to the first ball of the level that touches the box, the deepest of each family first. False
+/// when none does. The root is not looked at.
+using BoxWalkFunction = bool (*)(BoxWalk&);
+
+struct WalkPaths {
+  WalkFunction pair;
+  BoxWalkFunction box;
+};
+
+/// The walks of a SIMD path. All of them give the same bits.
+[[nodiscard]] WalkPaths walkPaths(SimdLevel level) noexcept;
 
 }  // namespace spheretree::detail

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
-// The walk of pair_query.cpp, compiled once per instruction set: pair_walk.cpp includes this file inside a
-// namespace that defines SPHERETREE_PATH (the attributes of its functions) and testBlocks(), which alone
-// touches more than one lane at a time. It makes the same operations in the same order on every path, without
-// fusing any, so all paths agree bit for bit.
+// The walks of pair_query.cpp and box_shapes.cpp, compiled once per instruction set: pair_walk.cpp includes
+// this file inside a namespace that defines SPHERETREE_PATH (the attributes of its functions) and
+// testBlocks() and testBlock(), which alone touch more than one lane at a time. It makes the same operations
+// in the same order on every path, without fusing any, so all paths agree bit for bit.
 
 /// Moves the balls of `blockA` into the frame of B, radii enlarged by the margin, to `placed`, and tests them
 /// against those of `blockB`, unused lanes as well.
-SPHERETREE_PATH inline Overlaps testBlocks(const PairWalk& walk, const BallBlock& blockA,
+SPHERETREE_PATH inline Overlaps testBlocks(const BallPlacement& how, const BallBlock& blockA,
                                            const BallBlock& blockB, BallBlock& placed);
+
+/// Moves the balls of `block` into the frame of the box, radii enlarged by the margin, and tests them against
+/// it, unused lanes as well.
+SPHERETREE_PATH inline BoxHits testBlock(const BoxWalk& walk, const BallBlock& block);
 
 /// Tests the blocks that the frame names.
 SPHERETREE_PATH inline std::uint64_t testFrame(const PairWalk& walk, PairFrame& frame) {
-  const Overlaps overlaps =
-      testBlocks(walk, walk.treeA->blocks()[frame.blockA], walk.treeB->blocks()[frame.blockB], frame.a);
+  const Overlaps overlaps = testBlocks(walk.placement, walk.treeA->blocks()[frame.blockA],
+                                       walk.treeB->blocks()[frame.blockB], frame.a);
   std::uint64_t pending = overlaps.pairs;
   const std::uint32_t both = frame.lanesA & frame.lanesB;
   if (both != kAllLanes) pending &= pairsOf(frame.lanesA, frame.lanesB);
@@ -107,4 +111,48 @@ SPHERETREE_PATH WalkEnd advance(PairWalk& walk, WalkLimits limits) {
   walk.depth = depth;
   walk.tests = tests;
   return end;
+}
+
+SPHERETREE_PATH bool touchBox(BoxWalk& walk) {
+  struct Frame {
+    std::uint32_t block;
+    std::uint32_t pending;  // lanes that touch, not looked into yet
+    std::uint32_t next;     // the one to look into next
+    std::uint32_t further;  // blocks of the family that are still to come
+  };
+  const QueryTree& tree = *walk.tree;
+  std::array<Frame, kMaxQueryLevels - 1> frames;
+  Frame* frame = frames.data();
+  Frame* const last = frame + (walk.level - 1);
+  QueryTree::Family family = tree.rootFamily();
+  std::uint32_t lanes = family.lanes;
+  frame->block = family.block;
+  frame->further = family.further;
+  for (;;) {
+    const BoxHits hits = testBlock(walk, tree.blocks()[frame->block]);
+    frame->pending = hits.lanes & lanes;
+    const auto deepest = static_cast<std::uint32_t>(kLaneBits - (hits.deepest & kLaneBits));
+    const bool usable = (frame->pending >> deepest & 1U) != 0;
+    frame->next = usable ? deepest : static_cast<std::uint32_t>(std::countr_zero(frame->pending));
+    while (frame->pending == 0 && frame->further == 0) {
+      if (frame == frames.data()) return false;
+      --frame;
+    }
+    if (frame->pending == 0) {
+      --frame->further;
+      lanes = tree.lanes(++frame->block);
+      continue;
+    }
+    if (frame == last) {
+      walk.found = place(walk.placement.pose, tree.ball(frame->block, frame->next), walk.placement.margin);
+      return true;
+    }
+    family = tree.family(frame->block, frame->next);
+    lanes = family.lanes;
+    frame->pending &= ~(1U << frame->next);
+    frame->next = static_cast<std::uint32_t>(std::countr_zero(frame->pending));
+    ++frame;
+    frame->block = family.block;
+    frame->further = family.further;
+  }
 }

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 
+#include <spheretree/pair_query.hpp>
 #include <spheretree/pose.hpp>
 #include <spheretree/sphere.hpp>
 
@@ -22,14 +23,6 @@ inline constexpr float kMarginPerLength = 0x1p-17F;
 inline constexpr float kShortestLength = 0x1p-60F;
 /// Squares of lengths above this come close to overflow.
 inline constexpr float kLongestLength = 1e17F;
-
-/// How A stands in the frame of B.
-struct RelativePose {
-  std::array<float, 9> matrix{};  // only when turned
-  Vec3 shift;
-  float scale = 1;
-  bool turned = false;
-};
 
 inline bool isIdentity(const Rotation& q) noexcept {
   return q.x == 0 && q.y == 0 && q.z == 0;
@@ -97,6 +90,15 @@ inline Vec3 place(const RelativePose& pose, Vec3 p) noexcept {
 
 inline Sphere place(const RelativePose& pose, const Sphere& ball, float margin) noexcept {
   return {place(pose, ball.center), pose.scale * ball.radius + margin};
+}
+
+/// The matrix is left alone when it is not needed: writing it takes as long as testing eight balls.
+inline void setPlacement(BallPlacement& placement, const RelativePose& pose, float margin) noexcept {
+  if (pose.turned) placement.pose.matrix = pose.matrix;
+  placement.pose.shift = pose.shift;
+  placement.pose.scale = pose.scale;
+  placement.pose.turned = pose.turned;
+  placement.margin = margin;
 }
 
 /// More than all rounding of a test between balls of A, placed in the frame of B, and balls of B, given how

@@ -89,12 +89,13 @@ constexpr std::uint32_t kGroup = 4;  // steps whose hits share a word
 /// Candidates that passed, not yet delivered.
 struct HitList {
   struct Entry {
+    std::uint64_t mask;  // a bit for every lane of every step
     std::uint32_t first;
-    std::uint32_t firstStride;  // from lane to lane
-    std::uint32_t other;
-    std::uint32_t otherStride;  // from step to step
-    std::uint32_t end;          // candidates from here on do not count
-    std::uint32_t mask;
+    std::uint32_t other;         // from lane to lane it grows by one
+    std::uint32_t end;           // candidates from here on do not count
+    std::uint8_t firstPerLane;   // by how much `first` grows from lane to lane
+    std::uint8_t firstPerStep;   // from step to step
+    std::uint16_t otherPerStep;  // the same of `other`
   };
   static constexpr std::uint32_t kCapacity = 256;
 
@@ -109,12 +110,14 @@ struct HitList {
   Entry entries[kCapacity];
 };
 
-constexpr std::uint32_t kCrossingBatch = 256;
+/// Records set aside. May hold some behind the end of the strip.
+struct RecordList {
+  static constexpr std::uint32_t kBatch = 256;
 
-/// Records that reach out of their strip. May hold some behind the end of the strip.
-struct CrossingList {
+  [[nodiscard]] bool full() const noexcept { return count >= kBatch; }
+
   std::uint32_t count = 0;
-  std::uint32_t records[kCrossingBatch + kMostLanes];
+  std::uint32_t records[kBatch + kMostLanes];
 };
 
 /// What is asked about the far ends of neighbouring records, one by one: for paths that cannot do better.
@@ -135,7 +138,7 @@ class EndsOneByOne {
   }
   [[nodiscard]] std::uint32_t furthest() const noexcept { return furthest_; }
   [[nodiscard]] std::uint32_t longest() const noexcept { return longest_; }
-  void addCrossings(std::uint32_t first, CrossingList& list) const noexcept {
+  void addCrossings(std::uint32_t first, RecordList& list) const noexcept {
     for (std::uint32_t lane = 0; lane < Lanes; ++lane) {
       list.records[list.count] = first + lane;
       list.count += static_cast<std::uint32_t>(kMaxCoordinate - coordinateOf(high_[lane], stripLane_) > top_);
@@ -195,6 +198,10 @@ constexpr std::uint32_t stepOf(std::uint32_t bit) noexcept {
 using Ends = EndsOneByOne<kLanes>;
 
 #include "sweep_scan.inl"
+// Needs the above.
+#include "sweep_distances.inl"
+// And all of them.
+#include "sweep_strip.inl"
 
 std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout, std::uint16_t* coordinates,
                          std::uint32_t* homes) {
@@ -263,6 +270,7 @@ template <std::uint32_t Stride>
 inline std::uint32_t groupHits(const Rows& rows, const std::uint64_t* low,
                                const std::uint64_t* high) noexcept {
   std::uint32_t hits = 0;
+#pragma GCC unroll 8
   for (std::uint32_t step = 0; step < kGroup; ++step) {
     const auto* const lows = reinterpret_cast<const __m128i*>(low + Stride * step);
     const auto* const highs = reinterpret_cast<const __m128i*>(high + Stride * step);
@@ -291,6 +299,10 @@ constexpr std::uint32_t stepOf(std::uint32_t bit) noexcept {
 using Ends = EndsOneByOne<kLanes>;
 
 #include "sweep_scan.inl"
+// Needs the above.
+#include "sweep_distances.inl"
+// And all of them.
+#include "sweep_strip.inl"
 
 /// The cells of boxes begin .. end - 1, from their coordinates.
 void findHomes(const SweepLayout& layout, const std::uint16_t* coordinates, std::size_t begin,
@@ -311,6 +323,7 @@ std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
   __m128 origin[3];
   __m128 scale[3];
   __m128 isMin[3];
+#pragma GCC unroll 8
   for (std::size_t k = 0; k < 3; ++k) {
     origin[k] = _mm_loadu_ps(lanes.origin + 4 * k);
     scale[k] = _mm_loadu_ps(lanes.scale + 4 * k);
@@ -321,6 +334,7 @@ std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
     const float* const in = &boxes[i].min.x;
     __m128i steps[6];
     __m128 bad = _mm_setzero_ps();
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 6; ++k) {
       const __m128 value = _mm_loadu_ps(in + 4 * k);
       const __m128 extent = _mm_sub_ps(_mm_loadu_ps(in + 4 * k + 3), value);
@@ -334,6 +348,7 @@ std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
       if (fault != kNoFault) return fault;
       continue;
     }
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 3; ++k) {
       _mm_storeu_si128(reinterpret_cast<__m128i*>(coordinates + kCoordinatesPerBox * i + 8 * k),
                        _mm_packs_epi32(steps[2 * k], steps[2 * k + 1]));
@@ -388,6 +403,7 @@ template <std::uint32_t Stride>
 SPHERETREE_PATH inline std::uint32_t groupHits(const Rows& rows, const std::uint64_t* low,
                                                const std::uint64_t* high) noexcept {
   std::uint32_t hits = 0;
+#pragma GCC unroll 8
   for (std::uint32_t step = 0; step < kGroup; ++step) {
     const auto* const lows = reinterpret_cast<const __m256i*>(low + Stride * step);
     const auto* const highs = reinterpret_cast<const __m256i*>(high + Stride * step);
@@ -415,6 +431,7 @@ class Ends {
 
   SPHERETREE_PATH void take(const std::uint64_t* low, const std::uint64_t* high) noexcept {
     const __m256i most = _mm256_set1_epi64x(static_cast<long long>(kCoordinateLanes));
+#pragma GCC unroll 8
     for (int k = 0; k < 2; ++k) {
       const __m256i lows = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(low) + k);
       const __m256i highs = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(high) + k);
@@ -425,10 +442,13 @@ class Ends {
   [[nodiscard]] SPHERETREE_PATH std::uint32_t furthest() const noexcept {
     return largest(_mm256_max_epi16(ends_[0], ends_[1]));
   }
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t longest() const noexcept { return largest(longest_); }
-  SPHERETREE_PATH void addCrossings(std::uint32_t first, CrossingList& list) const noexcept {
+  [[nodiscard]] SPHERETREE_PATH std::uint32_t longest() const noexcept {
+    return largest(longest_);
+  }
+  SPHERETREE_PATH void addCrossings(std::uint32_t first, RecordList& list) const noexcept {
     const __m256i lane = _mm256_set1_epi64x(kMaxCoordinate);
     std::uint32_t crossing = 0;
+#pragma GCC unroll 8
     for (int k = 0; k < 2; ++k) {
       const __m256i across = _mm256_and_si256(_mm256_srl_epi64(ends_[k], stripLane_), lane);
       const int mask = _mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpgt_epi64(across, top_)));
@@ -456,6 +476,10 @@ class Ends {
 };
 
 #include "sweep_scan.inl"
+// Needs the above.
+#include "sweep_distances.inl"
+// And all of them.
+#include "sweep_strip.inl"
 
 SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
                                          std::uint16_t* coordinates, std::uint32_t* homes) {
@@ -465,6 +489,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
   __m256 origin[3];
   __m256 scale[3];
   __m256i isMin[3];
+#pragma GCC unroll 8
   for (std::size_t k = 0; k < 3; ++k) {
     origin[k] = _mm256_loadu_ps(lanes.origin + 8 * k);
     scale[k] = _mm256_loadu_ps(lanes.scale + 8 * k);
@@ -476,6 +501,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
     const float* const in = &boxes[i].min.x;
     __m256i steps[6];
     __m256i extents = _mm256_setzero_si256();
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 6; ++k) {
       const __m256 value = _mm256_loadu_ps(in + 8 * k);
       const __m256i extent = _mm256_castps_si256(_mm256_sub_ps(_mm256_loadu_ps(in + 8 * k + 3), value));
@@ -490,6 +516,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
       continue;
     }
     constexpr int kInOrder = 0b11011000;  // packing interleaves the two halves of its arguments
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 3; ++k) {
       const __m256i packed = _mm256_packus_epi32(steps[2 * k], steps[2 * k + 1]);
       _mm256_storeu_si256(reinterpret_cast<__m256i*>(coordinates + kCoordinatesPerBox * i + 16 * k),
@@ -557,51 +584,106 @@ constexpr std::uint32_t stepOf(std::uint32_t bit) noexcept {
   return bit / kLanes;
 }
 
+/// Eight records, each against the eight that follow it: bit 8 * record + lane.
+SPHERETREE_PATH inline std::uint64_t windowHits(const std::uint64_t* low,
+                                                const std::uint64_t* high) noexcept {
+  __mmask8 rows[kLanes];
+#pragma GCC unroll 8
+  for (std::uint32_t k = 0; k < kLanes; ++k)
+    rows[k] = hitsAt(sameRows(low[k], high[k]), low + k + 1, high + k + 1);
+  const __mmask32 lower =
+      _mm512_kunpackw(_mm512_kunpackb(rows[3], rows[2]), _mm512_kunpackb(rows[1], rows[0]));
+  const __mmask32 upper =
+      _mm512_kunpackw(_mm512_kunpackb(rows[7], rows[6]), _mm512_kunpackb(rows[5], rows[4]));
+  return _cvtmask64_u64(_mm512_kunpackd(upper, lower));
+}
+
 class Ends {
  public:
   SPHERETREE_PATH Ends(const StripScan& scan, std::uint32_t top) noexcept
       : sweepLane_(_mm_cvtsi32_si128(static_cast<int>(scan.sweepLane))),
-        stripLane_(_mm_cvtsi32_si128(static_cast<int>(scan.stripLane))),
-        top_(_mm512_set1_epi64(top)),
+        across_(repeated(std::uint64_t{kMaxCoordinate} << scan.stripLane)),
+        top_(repeated(std::uint64_t{top} << scan.stripLane)),
+        cells_(repeated(std::uint64_t{2 * scan.cells} << scan.sweepLane)),
         longest_(_mm512_setzero_si512()),
         ends_(_mm512_setzero_si512()) {}
 
   SPHERETREE_PATH void take(const std::uint64_t* low, const std::uint64_t* high) noexcept {
-    const __m512i most = _mm512_set1_epi64(static_cast<long long>(kCoordinateLanes));
+    const __m512i most = repeated(kCoordinateLanes);
     const __m512i begins = _mm512_and_si512(_mm512_loadu_si512(low), most);
     ends_ = _mm512_andnot_si512(_mm512_loadu_si512(high), most);
     longest_ = _mm512_max_epi16(longest_, _mm512_sub_epi16(ends_, begins));
   }
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t furthest() const noexcept { return largest(ends_); }
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t longest() const noexcept { return largest(longest_); }
-  SPHERETREE_PATH void addCrossings(std::uint32_t first, CrossingList& list) const noexcept {
-    const __m512i across =
-        _mm512_and_si512(_mm512_srl_epi64(ends_, stripLane_), _mm512_set1_epi64(kMaxCoordinate));
-    const __mmask8 crossing = _mm512_cmpgt_epu64_mask(across, top_);
-    const __m256i records = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)),
-                                             _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(list.records + list.count),
-                        _mm256_maskz_compress_epi32(crossing, records));
-    list.count += static_cast<std::uint32_t>(_mm_popcnt_u32(crossing));
-  }
-
- private:
-  /// Along the sweep axis.
-  [[nodiscard]] SPHERETREE_PATH std::uint32_t largest(__m512i lanes) const noexcept {
-    const __m256i half = _mm256_max_epi16(_mm512_castsi512_si256(lanes), _mm512_extracti64x4_epi64(lanes, 1));
+  [[nodiscard]] SPHERETREE_PATH std::uint32_t longest() const noexcept {
+    const __m256i half =
+        _mm256_max_epi16(_mm512_castsi512_si256(longest_), _mm512_extracti64x4_epi64(longest_, 1));
     __m128i most = _mm_max_epi16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
     most = _mm_srl_epi64(_mm_max_epi16(most, _mm_unpackhi_epi64(most, most)), sweepLane_);
     return static_cast<std::uint32_t>(_mm_cvtsi128_si32(most)) & kMaxCoordinate;
   }
+  /// Those that end in the cell, or behind it, where the records from `low` on begin, one by one.
+  [[nodiscard]] SPHERETREE_PATH __mmask8 reaching(const std::uint64_t* low) const noexcept {
+    // The number of cells stands in the lane of the sweep axis only, so nothing else comes out.
+    const __m512i begins = _mm512_and_si512(_mm512_loadu_si512(low), repeated(kCoordinateLanes));
+    return _mm512_cmpge_epu64_mask(_mm512_mulhi_epu16(ends_, cells_), _mm512_mulhi_epu16(begins, cells_));
+  }
+  SPHERETREE_PATH void addCrossings(std::uint32_t first, RecordList& list) const noexcept {
+    add(_mm512_cmpgt_epu64_mask(_mm512_and_si512(ends_, across_), top_), first, list);
+  }
+  SPHERETREE_PATH static void add(__mmask8 which, std::uint32_t first, RecordList& list) noexcept {
+    const __m256i records = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)),
+                                             _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(list.records + list.count),
+                        _mm256_maskz_compress_epi32(which, records));
+    list.count += static_cast<std::uint32_t>(_mm_popcnt_u32(which));
+  }
+
+ private:
+  SPHERETREE_PATH static __m512i repeated(std::uint64_t half) noexcept {
+    return _mm512_set1_epi64(static_cast<long long>(half));
+  }
 
   __m128i sweepLane_;
-  __m128i stripLane_;
-  __m512i top_;  // last coordinate of the strip
+  __m512i across_;
+  __m512i top_;    // last coordinate of the strip
+  __m512i cells_;  // twice their number: the upper half of the product is partOf()
   __m512i longest_;
   __m512i ends_;
 };
 
 #include "sweep_scan.inl"
+
+/// Every record meets the eight behind it, without a branch; those that reach farther are set aside, too.
+class Neighbours {
+ public:
+  SPHERETREE_PATH void meet(StripScan& scan, HitList& hits, const Ends& ends, const std::uint32_t* bounds,
+                            std::uint32_t first) noexcept {
+    const std::uint32_t end = bounds[scan.cells];
+    const std::uint64_t* const low = scan.low + first;
+    const std::uint64_t mask = windowHits(low, scan.high + first);
+    if (hits.add({mask, first, first + 1, end, 0, 1, 1})) flush(scan, hits);
+    scan.tests += kLanes * kLanes;
+    // Of the last records of a strip, those behind the eight belong to another one.
+    const std::uint32_t inside = std::min(kLanes, end - std::min(end, first + kLanes + 1));
+    const auto counted = static_cast<__mmask8>((1U << inside) - 1);
+    Ends::add(static_cast<__mmask8>(ends.reaching(low + kLanes + 1) & counted), first, far_);
+    if (far_.full()) finish(scan, hits, bounds);
+  }
+
+  SPHERETREE_PATH void finish(StripScan& scan, HitList& hits, const std::uint32_t* bounds) noexcept {
+    for (std::uint32_t k = 0; k < far_.count; ++k) {
+      const std::uint32_t i = far_.records[k];
+      const std::uint32_t last = kMaxCoordinate - coordinateOf(scan.high[i], scan.sweepLane);
+      testRange(scan, hits, i, i + kLanes + 1, bounds[partOf(last, scan.cells) + 1]);
+    }
+    far_.count = 0;
+  }
+
+ private:
+  RecordList far_;
+};
+
+#include "sweep_strip.inl"
 
 /// Finds the cells of sixteen boxes whose coordinates fill three registers.
 class HomeFinder {
@@ -653,6 +735,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
   __m512 origin[3];
   __m512 scale[3];
   __m512i isMin[3];
+#pragma GCC unroll 8
   for (std::size_t k = 0; k < 3; ++k) {
     origin[k] = _mm512_loadu_ps(lanes.origin + 16 * k);
     scale[k] = _mm512_loadu_ps(lanes.scale + 16 * k);
@@ -663,6 +746,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
     const float* const in = &boxes[i].min.x;
     __m512i steps[6];
     __m512i extents = _mm512_setzero_si512();
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 6; ++k) {
       const __m512 value = _mm512_loadu_ps(in + 16 * k);
       const __m512i extent = _mm512_castps_si512(_mm512_sub_ps(_mm512_loadu_ps(in + 16 * k + 3), value));
@@ -676,6 +760,7 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
       continue;
     }
     __m512i packed[3];
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < 3; ++k) {
       packed[k] = _mm512_permutexvar_epi64(inOrder, _mm512_packus_epi32(steps[2 * k], steps[2 * k + 1]));
       _mm512_storeu_si512(coordinates + kCoordinatesPerBox * i + 32 * k, packed[k]);

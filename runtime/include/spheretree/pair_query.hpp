@@ -61,16 +61,26 @@ struct PairFrame {
   std::uint8_t entered = 0;   // the bit that the frame below belongs to
 };
 
+/// How A stands in the frame of B.
+struct RelativePose {
+  std::array<float, 9> matrix{};  // row by row, scale included; only when turned
+  Vec3 shift;
+  float scale = 1;
+  bool turned = false;
+};
+
+/// How balls of A are brought into the frame of B.
+struct BallPlacement {
+  RelativePose pose;
+  float margin = 0;  // added to radii: more than all rounding of a test
+};
+
 /// The state of a depth-first walk over pairs of nodes; frame k holds nodes of level k + 1.
 struct PairWalk {
   const QueryTree* treeA = nullptr;
   const QueryTree* treeB = nullptr;
-  std::array<float, 9> matrix{};  // from the frame of A to that of B, row by row, scale included
-  Vec3 shift;
-  Sphere rootA;      // in the frame of B, radius enlarged by the margin
-  float scale = 1;   // of A in the frame of B
-  float margin = 0;  // more than all rounding of a test
-  bool turned = false;
+  BallPlacement placement;
+  Sphere rootA;               // placed
   bool fresh = false;         // the children of the roots are still to be looked at
   std::int32_t depth = -1;    // of the frame in work; -1 when none is left
   std::uint32_t reached = 0;  // deepest level on which balls were seen to overlap

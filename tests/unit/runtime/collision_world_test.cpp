@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
+#include <vector>
 
 #include <spheretree/brute_force.hpp>
 #include <spheretree/response.hpp>
+#include <spheretree/simd.hpp>
 
 #include "heap_calls.hpp"
 #include "query_trees.hpp"
@@ -157,6 +161,74 @@ TEST(CollisionWorld, BoxesTouchTrees) {
   ASSERT_EQ(world.contacts().size(), 1U);
   EXPECT_NEAR(world.contacts()[0].normal.x, 1, 1e-3F);
   EXPECT_NEAR(world.contacts()[0].depth, 1.5F, 1e-3F);
+}
+
+/// How far a ball is from a box that stands upright around the origin.
+float gapBetween(const Sphere& ball, Vec3 half) {
+  const Vec3 c = ball.center;
+  const Vec3 out{std::max(0.0F, std::abs(c.x) - half.x), std::max(0.0F, std::abs(c.y) - half.y),
+                 std::max(0.0F, std::abs(c.z) - half.z)};
+  return length(out) - ball.radius;
+}
+
+/// Whether a chain of balls that all come as close as `gap` to a box goes down from `family`, on `level`, to
+/// the last level.
+bool chainReaches(const QueryTree& tree, QueryTree::Family family, std::size_t level, const Pose& pose,
+                  Vec3 half, float gap) {
+  for (std::uint32_t i = 0; i <= family.further; ++i) {
+    const std::uint32_t lanes = i == 0 ? family.lanes : tree.lanes(family.block + i);
+    for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) {
+      if ((lanes >> lane & 1U) == 0) continue;
+      if (gapBetween(transform(pose, tree.ball(family.block + i, lane)), half) > gap) continue;
+      if (level + 1 == tree.levelCount()) return true;
+      if (chainReaches(tree, tree.family(family.block + i, lane), level + 1, pose, half, gap)) return true;
+    }
+  }
+  return false;
+}
+
+TEST(CollisionWorld, BoxesFindTheBallsOfTreesOnEveryPath) {
+  const Vec3 half{0.6F, 0.4F, 0.5F};
+  test::Random random(11);
+  const QueryTree trees[] = {test::queryTreeOf(test::latticeTree(4)),
+                             test::queryTreeOf(test::randomTree(random, 4, 20, 6))};
+  int hits = 0;
+  int misses = 0;
+  for (int round = 0; round < 1000; ++round) {
+    const QueryTree& tree = trees[round % 2];
+    Pose pose = random.pose(1.6F);
+    if (round % 3 == 0) pose.rotation = {};
+    if (round % 5 == 0) pose.scale = 0.7F;
+    bool boxesMeet = false;  // that of a tree holds its surface, not its balls
+    const auto find = [&](SimdLevel path) {
+      limitSimd(path);
+      CollisionWorld world = makeWorld();
+      world.addBox(half, at(0));
+      world.addTree(tree, pose);
+      EXPECT_TRUE(world.step(0).ok());
+      boxesMeet = !world.pairs().empty();
+      return std::vector<Contact>(world.contacts().begin(), world.contacts().end());
+    };
+    const std::vector<Contact> contacts = find(SimdLevel::Scalar);
+    for (const SimdLevel path : {SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512})
+      ASSERT_TRUE(sameContacts(contacts, find(path))) << "round " << round;
+    constexpr float kDoubt = 1e-4F;  // more than the margin
+    const auto reaches = [&](float gap) {
+      return gapBetween(transform(pose, tree.root()), half) <= gap &&
+             chainReaches(tree, tree.rootFamily(), 1, pose, half, gap);
+    };
+    if (reaches(-kDoubt) && boxesMeet) {
+      ASSERT_EQ(contacts.size(), 1U) << "round " << round;
+      EXPECT_EQ(contacts[0].level, tree.levelCount() - 1);
+      ++hits;
+    } else if (!reaches(kDoubt)) {
+      ASSERT_TRUE(contacts.empty()) << "round " << round;
+      ++misses;
+    }
+  }
+  limitSimd(supportedSimd());
+  EXPECT_GT(hits, 200);
+  EXPECT_GT(misses, 200);
 }
 
 TEST(CollisionWorld, BroadPhaseAloneAnswersWithBoxes) {
