@@ -59,7 +59,7 @@ std::vector<fs::path> outputPaths(const BuildOptions& options) {
 Result<std::string> formatReport(const std::string& ending, const BuildResult& build,
                                  const io::Provenance& provenance, const medial::Surface& surface) {
   if (ending == ".csv") return io::formatCsvReport(build, provenance);
-  if (ending == ".html") return io::formatHtmlReport(build, provenance, surface);
+  if (ending == ".html") return io::formatHtmlReport(build, provenance, surface, io::PageTimes::Shown);
   return io::formatJsonReport(build, provenance);
 }
 

@@ -160,7 +160,7 @@ Result<std::string> asHtml(const Subject& s) {
   io::TreeView view{s.input.surface.mesh(), s.file.tree, {}};
   for (const EvaluatedLevel& level : s.evaluation.levels)
     view.levels.push_back({level.nodes, level.metrics.ballOverhang, {}});
-  return io::treePage(asJson(s), view);
+  return io::treePage(asJson(s), view, io::PageTimes::Shown);
 }
 
 Result<std::string> formatReport(const std::string& ending, const Subject& s) {

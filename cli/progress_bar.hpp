@@ -25,7 +25,8 @@ class ProgressBar {
 
   [[nodiscard]] bool shown() const noexcept { return shown_; }
 
-  /// Draws the line, not more often than an eye cares. `note` stands behind the bar.
+  /// Draws the line, not more often than an eye cares and not wider than the terminal. `note` stands behind
+  /// the bar.
   void draw(std::string_view stage, double fraction, std::string_view note = {}) noexcept;
 
   /// Makes room for other text.
@@ -35,7 +36,8 @@ class ProgressBar {
   using Clock = std::chrono::steady_clock;
 
   bool shown_;
-  std::size_t width_ = 0;  // characters on the line now
+  std::size_t width_ = 0;      // characters on the line now
+  std::size_t noteWidth_ = 0;  // of the longest note: the bar does not jump with each of them
   std::string stage_;
   Clock::time_point last_;
 };

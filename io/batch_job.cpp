@@ -38,7 +38,7 @@ Result<BuiltAsset> buildAsset(const medial::Surface& surface, const Provenance& 
   built.report = formatJsonReport(*build, provenance);
   built.missed = missedReason(build->report, asset, surface.diagonal());
   if (pages == Pages::With) {
-    Result<std::string> page = formatHtmlReport(*build, provenance, surface);
+    Result<std::string> page = formatHtmlReport(*build, provenance, surface, PageTimes::LeftOut);
     if (!page) return page.error();
     built.page = std::move(*page);
   }

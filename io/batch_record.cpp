@@ -86,11 +86,7 @@ AssetRecord recordOfTree(const BatchAsset& asset, const std::string& fingerprint
   record.reason = missedReason;
   record.treeFileHash = contentHash(tree);
   Json json{{"batch", headOf(asset, record)}};
-  const Json build = Json::parse(report);
-  for (const auto& [key, value] : build.items()) {
-    // What a clock or the machine decides would make two records of the same tree differ.
-    if (key != "threads" && key != "stages" && key != "peak_memory_bytes") json[key] = value;
-  }
+  json.update(Json::parse(withoutClock(std::string(report))));
   json["tree"]["file_hash"] = record.treeFileHash;
   json["tree"]["bytes"] = tree.size();
   record.json = textOf(json);

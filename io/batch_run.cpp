@@ -5,12 +5,11 @@
 //
 // * Order: by triangles, the largest first, so that no large asset is left for the end; ties by output.
 // * Threads: one for every kTrianglesPerThread triangles, at least one, at most what is free. When fewer
-// assets
-//   are left than jobs allowed, they share what is free.
-// * Memory: an asset reserves kReserve times its estimate, never more than the limit, and cannot allocate
-// more
-//   than that (RLIMIT_DATA). What runs at the same time never reserves more than the limit. An asset that did
-//   not get along with its share has another try at the end, alone, with everything.
+//   assets are left than jobs allowed, they share what is free.
+// * Memory: an asset reserves kReserve times its estimate, or an even share of the limit where that is more
+//   and free, and cannot allocate more than it reserved (RLIMIT_DATA). What runs at the same time never
+//   reserves more than the limit. An asset that did not get along with its share has another try at the end,
+//   alone, with everything.
 
 #include "io/batch_run.hpp"
 
@@ -343,10 +342,13 @@ class Batch {
       if (busy >= options_.limits.threads) return;
       const unsigned threads = threadsFor(next, options_.limits.threads - busy);
       const std::uint64_t wanted = kReserve * memoryEstimateOf(next.triangles) + kReservePerThread * threads;
-      const std::uint64_t reserve = next.alone ? limit : std::min(limit, wanted);
-      // What reserves all of it runs alone.
-      if (!running_.empty() && reserved + reserve > limit) return;
-      launch(threads, reserve);
+      const std::uint64_t needed = next.alone ? limit : std::min(limit, wanted);
+      // What needs all of it runs alone.
+      if (!running_.empty() && reserved + needed > limit) return;
+      // An even share costs nobody anything, and a mesh may need far more than its triangles tell: a needle's
+      // second try alone would keep the others waiting.
+      const std::uint64_t share = std::min(limit / options_.limits.jobs, limit - std::min(limit, reserved));
+      launch(threads, std::max(needed, share));
     }
   }
 

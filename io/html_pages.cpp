@@ -18,6 +18,7 @@
 #include "io/html/assets.hpp"
 #include "io/mesh_simplify.hpp"
 #include "io/pair_timing.hpp"
+#include "io/report_parts.hpp"
 
 namespace spheretree::io {
 namespace {
@@ -187,10 +188,10 @@ Json viewOf(const TreeView& view) {
 }
 
 /// Adds to each level of a report what queries down to it cost.
-void addCosts(Json& report, const SphereTree& tree, const medial::TriangleMesh& mesh) {
+void addCosts(Json& report, const SphereTree& tree, const medial::TriangleMesh& mesh, PageTimes times) {
   const std::vector<PairCost> costs = pairCosts(tree, closePoses(mesh, kPoses, kPoseSeed));
   for (std::size_t k = 0; k < costs.size() && k < report["levels"].size(); ++k) {
-    report["levels"][k]["microseconds_per_close_pair"] = costs[k].microseconds;
+    if (times == PageTimes::Shown) report["levels"][k]["microseconds_per_close_pair"] = costs[k].microseconds;
     report["levels"][k]["sphere_tests_per_close_pair"] = costs[k].sphereTests;
   }
 }
@@ -201,16 +202,16 @@ std::string whyNoHtml() {
   return htmlAsset("three.js").empty() || htmlAsset("chart.js").empty() ? kNoHtml : "";
 }
 
-Result<std::string> treePage(std::string_view reportJson, const TreeView& view) {
+Result<std::string> treePage(const std::string& reportJson, const TreeView& view, PageTimes times) {
   if (!whyNoHtml().empty()) return notMade();
-  Json report = Json::parse(reportJson);
-  addCosts(report, view.tree, view.mesh);
+  Json report = Json::parse(times == PageTimes::Shown ? reportJson : withoutClock(reportJson));
+  addCosts(report, view.tree, view.mesh, times);
   return filled(htmlAsset("tree_page.html"),
                 {{"report", embedded(report)}, {"view", embedded(viewOf(view))}});
 }
 
 Result<std::string> formatHtmlReport(const builders::BuildResult& build, const Provenance& provenance,
-                                     const medial::Surface& surface) {
+                                     const medial::Surface& surface, PageTimes times) {
   TreeView view{surface.mesh(), build.tree, {}};
   std::size_t first = 0;
   for (const builders::LevelReport& level : build.report.levels) {
@@ -220,7 +221,7 @@ Result<std::string> formatHtmlReport(const builders::BuildResult& build, const P
     shown.won = level.makers;
     first += level.metrics.spheres;
   }
-  return treePage(formatJsonReport(build, provenance), view);
+  return treePage(formatJsonReport(build, provenance), view, times);
 }
 
 Result<std::string> batchPage(std::string_view summaryJson, std::span<const std::string> thumbnails) {

@@ -39,12 +39,16 @@ struct TreeView {
   std::vector<LevelView> levels;
 };
 
+/// Whether a page shows what a clock says. Without, the same build gives the same bytes: its plot of speed
+/// counts sphere tests.
+enum class PageTimes : std::uint8_t { Shown, LeftOut };
+
 /// The page of one tree. `reportJson` is the JSON report of `build` or `eval`.
-Result<std::string> treePage(std::string_view reportJson, const TreeView& view);
+Result<std::string> treePage(const std::string& reportJson, const TreeView& view, PageTimes times);
 
 /// The page of a build.
 Result<std::string> formatHtmlReport(const builders::BuildResult& build, const Provenance& provenance,
-                                     const medial::Surface& surface);
+                                     const medial::Surface& surface, PageTimes times);
 
 /// A small picture of the balls of the deepest level that a small picture can show as an `<svg>` element:
 /// shaded discs seen from above the front, far ones first. Deterministic, a few kilobytes, needs no package.

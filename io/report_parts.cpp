@@ -113,6 +113,12 @@ std::string levelJson(std::size_t level, const LevelMetrics& metrics, double dia
                  {"solid_cover", std::move(solid)}});
 }
 
+std::string withoutClock(const std::string& reportJson) {
+  Json report = Json::parse(reportJson);
+  for (const char* key : {"threads", "stages", "peak_memory_bytes"}) report.erase(key);
+  return textOf(report);
+}
+
 std::string briefLevelJson(const std::string& levelJson) {
   const Json level = Json::parse(levelJson);
   return textOf({{"level", level.at("level")},

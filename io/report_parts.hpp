@@ -33,6 +33,10 @@ namespace spheretree::io {
 /// One entry of `certificate`.
 [[nodiscard]] std::string chainJson(const builders::ChainProof& proof);
 
+/// A build's report without what a clock or the machine decides: threads, stages, memory. What is left is the
+/// same whenever the same program builds the same mesh with the same settings.
+[[nodiscard]] std::string withoutClock(const std::string& reportJson);
+
 /// As in `--repair` and in reports.
 [[nodiscard]] std::string repairName(Repair rule);
 

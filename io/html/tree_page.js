@@ -53,9 +53,7 @@
       {title: "surface covered", cell: (level) => coverText(level.surface_cover)},
       {title: "solid covered", cell: (level) => coverText(level.solid_cover)},
     ];
-    if (levels.some(hasSpeed)) {
-      columns.push({title: "µs per close pair", cell: (level) => short(level.microseconds_per_close_pair)});
-    }
+    if (levels.some(speed.of)) columns.push({title: speed.title, cell: (level) => short(speed.of(level))});
     if (levels.some(winnersText)) columns.push({title: "sets won", kind: "wide", cell: winnersText});
     return Page.fillTable(at("levels"), columns, levels, (line, level) => {
       line.classList.add("pick");
@@ -63,7 +61,11 @@
     });
   }
 
-  const hasSpeed = (level) => Page.isNumber(level.microseconds_per_close_pair) && level.microseconds_per_close_pair > 0;
+  // Pages that are to be the same every time know no clock, but how many spheres were tested.
+  const speed = levels.some((level) => level.microseconds_per_close_pair > 0)
+    ? {of: (level) => level.microseconds_per_close_pair, title: "µs per close pair", note: "measured where the report was made"}
+    : {of: (level) => level.sphere_tests_per_close_pair, title: "sphere tests per close pair",
+       note: "counted in tests of two spheres, which are the same on every machine"};
 
   function plots() {
     const drawn = levels.filter((level) => level.overhang_worst_relative.upper > 0);
@@ -75,15 +77,14 @@
     ];
     Page.scatter(at("spheres-chart"), {x: "spheres", y: "overhang, of the diagonal", yText: percent, xText: count,
                                        series: series((level) => level.spheres)});
-    if (!levels.some(hasSpeed)) {
+    if (!levels.some(speed.of)) {
       at("speed-card").remove();
       return;
     }
-    Page.scatter(at("speed-chart"), {x: "µs per close pair", y: "overhang, of the diagonal", yText: percent,
-                                     series: series((level) => level.microseconds_per_close_pair)});
+    Page.scatter(at("speed-chart"), {x: speed.title, y: "overhang, of the diagonal", yText: percent, series: series(speed.of)});
     at("speed-note").textContent =
       "What a query of two copies of this tree costs when it may go down to a level: the mean over " +
-      "poses in which the objects are close, measured where the report was made.";
+      "poses in which the objects are close, " + speed.note + ".";
   }
 
   function facts() {

@@ -583,7 +583,6 @@ bool Experiments::endurance() {
 }
 
 bool Experiments::runAll() {
-  writeHeads();
   const std::vector<std::pair<std::string, bool (Experiments::*)()>> all{
       {"trees", &Experiments::treeQuality},      {"figure-4", &Experiments::figure4},
       {"figure-5", &Experiments::figure5},       {"figure-6", &Experiments::figure6},
@@ -592,6 +591,13 @@ bool Experiments::runAll() {
       {"thousand", &Experiments::thousand},      {"broad-phases", &Experiments::ownBroadPhase},
       {"own-scaling", &Experiments::ownScaling}, {"same-state", &Experiments::threadsAndEngines},
       {"capacity", &Experiments::capacities},    {"endurance", &Experiments::endurance}};
+  for (const std::string& name : options_.only) {
+    if (std::any_of(all.begin(), all.end(), [&name](const auto& each) { return each.first == name; }))
+      continue;
+    std::fprintf(stderr, "experiments: there is no experiment '%s'\n", name.c_str());
+    return false;
+  }
+  writeHeads();
   for (const auto& [name, experiment] : all) {
     if (!options_.only.empty() && options_.only.count(name) == 0) continue;
     std::fprintf(stderr, "%s ...\n", name.c_str());

@@ -7,12 +7,17 @@
 # tests/bench/experiments on them and, where the program crowded_room was built, measures frames with
 # rendering; then plot_experiments.py draws the pictures and writes the tables of the page. --quick tries
 # the whole way in some minutes, into build/experiments only, with figures that are good for nothing.
+#
+# It runs one experiment after the other. Interrupted, it goes on where it was when it is started again with
+# the same program and trees; tables and page change when everything is there.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 readonly work=build/experiments
 readonly trees=$work/trees
 readonly programs=build/release
+readonly experiments=(trees figure-4 figure-5 figure-6 figure-7 figure-8 scaling movements thousand broad-phases
+                      own-scaling same-state capacity endurance)
 readonly rendered_counts=(100 350 500 750 1000)
 
 die() {
@@ -32,17 +37,19 @@ done
 [[ -r "$bunny" ]] || die "$bunny: no such file; ./bootstrap run makes it, or name a bunny of about 1500 triangles"
 
 results=tests/bench/results
+pieces=$work/pieces
 settings=()
 rendered_frames=10
 if [[ $quick == yes ]]; then
   results=$work/quick
+  pieces=$work/quick-pieces
   settings=(frames=20 repeats=1 steps=2000)
   rendered_frames=3
 fi
 
 build() {
-  # As in bootstrap: a compiler's new warnings must not stand in the way.
-  cmake --preset release -DSPHERETREE_WERROR=OFF
+  # As in bootstrap: a compiler's new warnings must not stand in the way. What is configured stays as it is.
+  [[ -e $programs/build.ninja ]] || cmake --preset release -DSPHERETREE_WERROR=OFF
   local targets=(spheretree make_models experiments)
   if cmake --build "$programs" --target help | grep '^crowded_room:' >/dev/null; then targets+=(crowded_room); fi
   cmake --build "$programs" --target "${targets[@]}"
@@ -81,11 +88,46 @@ render() {
   tests/bench/plot_experiments.py --collect "$reports" --results "$results"
 }
 
+# What the measured pieces belong to: program, trees and settings.
+key() {
+  sha256sum "$programs/tests/bench/experiments" "$trees"/*.sph
+  echo "${settings[*]}"
+}
+
+measure() {
+  local machine name
+  machine="$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) hardware threads"
+  if [[ "$(key)" != "$(cat "$pieces/key" 2>/dev/null)" ]]; then
+    rm -rf "$pieces"
+    mkdir -p "$pieces"
+    key >"$pieces/key"
+  fi
+  for name in "${experiments[@]}"; do
+    [[ ! -d "$pieces/$name" ]] || continue
+    rm -rf "$pieces/unfinished"
+    mkdir "$pieces/unfinished"
+    "$programs/tests/bench/experiments" "trees=$trees" "out=$pieces/unfinished" "machine=$machine" "only=$name" \
+      "${settings[@]}"
+    mv "$pieces/unfinished" "$pieces/$name"
+  done
+}
+
+# join TABLE: the heads of the first piece, the rows of all, in place of what was there.
+join() {
+  local name
+  {
+    sed '/^[^#]/q' "$pieces/${experiments[0]}/$1"
+    for name in "${experiments[@]}"; do sed '/^#/d' "$pieces/$name/$1" | tail -n +2; done
+  } >"$results/.$1.new"
+  mv "$results/.$1.new" "$results/$1"
+}
+
 build
 make_trees
 mkdir -p "$results"
-"$programs/tests/bench/experiments" "trees=$trees" "out=$results" \
-  "machine=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) hardware threads" "${settings[@]}"
+measure
+join experiments.csv
+join experiments-parts.csv
 if [[ -x "$programs/runtime/demo/crowded_room" ]]; then
   render || echo "run_experiments.sh: nothing could be rendered here; the page keeps what it had of Figure 9" >&2
 fi

@@ -154,6 +154,16 @@ TEST_F(Batch, ASecondRunSkipsAllAndChangesNothing) {
   }
 }
 
+TEST_F(Batch, PagesAreTheSameEveryTime) {
+  writeLibrary();
+  const Finished once = batch({"in", "-o", "once", "--pages", "--jobs", "1"});
+  if (once.exitCode == 2) GTEST_SKIP() << once.err;
+  ASSERT_EQ(once.exitCode, 0) << once.err;
+  ASSERT_EQ(batch({"in", "-o", "twice", "--pages", "--jobs", "2"}).exitCode, 0);
+  EXPECT_TRUE(exists("once/sub/deep/longer.report.html"));
+  EXPECT_EQ(lastingFiles("once"), lastingFiles("twice"));
+}
+
 TEST_F(Batch, OnlyWhatChangedIsBuiltAgain) {
   writeLibrary();
   ASSERT_EQ(batch({"in", "-o", "out"}).exitCode, 0);
@@ -481,6 +491,54 @@ TEST_F(Batch, WhatDoesNotFitOrTakesTooLongIsAReason) {
     EXPECT_EQ(asset.at("trouble"), "timed_out");
     EXPECT_NE(asset.at("reason").get<std::string>().find("longer than the 0.2 seconds"), std::string::npos);
   }
+}
+
+/// What the program draws on a terminal of so many columns, one piece per return to the start of the line.
+std::vector<std::string> drawnLines(const std::string& text) {
+  std::vector<std::string> lines(1);
+  for (const char letter : text) {
+    if (letter == '\r' || letter == '\n') {
+      lines.emplace_back();
+    } else {
+      lines.back() += letter;
+    }
+  }
+  return lines;
+}
+
+// A line that was wider than the terminal broke, and every drawing left another line behind.
+TEST_F(Batch, TheBarFitsTheTerminalAndSaysRateAndTimeLeft) {
+  if (finish(start("/bin/sh", {"-c", "command -v script"})).exitCode != 0)
+    GTEST_SKIP() << "script (bsdutils), which makes a terminal, is not installed";
+  writeLibrary();
+  for (const std::size_t columns : {80U, 60U, 20U}) {
+    SCOPED_TRACE(columns);
+    const std::string command = "stty cols " + std::to_string(columns) + "; exec '" + programPath() +
+                                "' batch in -o out --force --quality fast --levels 3 --jobs 1";
+    const Finished finished = finish(start("/usr/bin/script", {"-qec", command, "/dev/null"}));
+    EXPECT_EQ(finished.exitCode, 0) << finished.out;
+    std::size_t bars = 0;
+    bool left = false;
+    for (const std::string& line : drawnLines(finished.out)) {
+      if (line.rfind("batch ", 0) != 0) continue;
+      ++bars;
+      left = left || (line.find("/s, 0") != std::string::npos && line.find(" left") != std::string::npos);
+      EXPECT_LT(line.size(), columns) << line;
+    }
+    EXPECT_GT(bars, 2U) << finished.out;
+    EXPECT_EQ(left, columns > 50) << finished.out;
+    EXPECT_NE(finished.out.find("3 assets: 3 done"), std::string::npos);
+  }
+}
+
+TEST_F(Batch, WithoutATerminalEveryAssetIsALine) {
+  writeLibrary();
+  const Finished finished = batch({"in", "-o", "out"});
+  EXPECT_EQ(finished.exitCode, 0);
+  const std::string& lines = finished.err;
+  EXPECT_EQ(lines.find('\r'), std::string::npos) << lines;
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 3) << lines;
+  EXPECT_NE(lines.find("[3/3] "), std::string::npos) << lines;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -39,21 +40,58 @@ class Export : public ProgramTest {
     EXPECT_EQ(finished.exitCode, 0) << command << "\n" << finished.err;
     return finished.out;
   }
+  /// check_urdf (liburdfdom) ends well whatever it complains about: what counts is that it says nothing.
+  std::string complaintsOfUrdfdom(const std::string& file) {
+    const Finished finished = finish(start("/bin/sh", {"-c", "check_urdf " + file}));
+    return finished.exitCode == 0 ? finished.err : finished.err + "code " + std::to_string(finished.exitCode);
+  }
   std::string python(const std::string& program) { return shell("/usr/bin/python3 -c '" + program + "'"); }
 };
 
 TEST_F(Export, CheckUrdfTakesARobotOfBalls) {
   if (!isInstalled("command -v check_urdf")) GTEST_SKIP() << "check_urdf (liburdfdom-tools) is not installed";
   ASSERT_EQ(run({"export", "box.sph", "-o", "box.urdf"}).exitCode, 0);
+  EXPECT_EQ(complaintsOfUrdfdom("box.urdf"), "");
   EXPECT_NE(shell("check_urdf box.urdf").find("root Link: box has 0 child"), std::string::npos);
   const std::string text = read("box.urdf");
   const std::regex sphere("<sphere radius=");
   EXPECT_EQ(std::distance(std::sregex_iterator(text.begin(), text.end(), sphere), std::sregex_iterator()), 8);
 }
 
+// A reader that takes anything would prove nothing.
+TEST_F(Export, TheReadersRefuseWhatIsSpoiled) {
+  if (!isInstalled("command -v check_urdf")) GTEST_SKIP() << "check_urdf (liburdfdom-tools) is not installed";
+  if (!isInstalled("/usr/bin/python3 -c 'import yaml'")) GTEST_SKIP() << "python3-yaml is not installed";
+  for (const char* name : {"a.json", "a.srdf", "a.yml", "a.urdf"})
+    ASSERT_EQ(run({"export", "box.sph", "-o", name}).exitCode, 0);
+  const auto refused = [this](const std::string& command) {
+    return finish(start("/bin/sh", {"-c", command})).exitCode != 0;
+  };
+  const auto spoil = [this](const std::string& name, const std::string& what, const std::string& with) {
+    std::string text = read(name);
+    const std::size_t at = text.rfind(what);
+    ASSERT_NE(at, std::string::npos) << name;
+    write(name, text.replace(at, what.size(), with));
+  };
+  const std::string whole = read("a.urdf");
+  for (const auto& [what, with] : std::vector<std::pair<std::string, std::string>>{
+           {"<sphere radius=", "<sphere size="}, {"xyz=\"", "xyz=\"a"}, {"</geometry>", ""}}) {
+    write("a.urdf", whole);
+    EXPECT_EQ(complaintsOfUrdfdom("a.urdf"), "");
+    spoil("a.urdf", what, with);
+    EXPECT_NE(complaintsOfUrdfdom("a.urdf"), "") << what;
+  }
+  spoil("a.yml", "]", "");
+  EXPECT_TRUE(refused("/usr/bin/python3 -c 'import yaml; yaml.safe_load(open(\"a.yml\"))'"));
+  spoil("a.json", "]", "");
+  EXPECT_TRUE(refused("/usr/bin/python3 -c 'import json; json.load(open(\"a.json\"))'"));
+  spoil("a.srdf", "/>", ">");
+  EXPECT_TRUE(refused("/usr/bin/python3 -c 'import xml.etree.ElementTree as x; x.parse(\"a.srdf\")'"));
+}
+
 TEST_F(Export, OtherParsersReadTheSameBalls) {
   if (!isInstalled("/usr/bin/python3 -c 'import yaml'")) GTEST_SKIP() << "python3-yaml is not installed";
-  for (const char* name : {"a.json", "a.srdf", "a.yml"})
+  for (const char* name : {"a.json", "a.srdf", "a.yml", "a.urdf"})
     ASSERT_EQ(run({"export", "box.sph", "-o", name, "--name", "my box"}).exitCode, 0);
   ASSERT_EQ(run({"export", "box.sph", "-o", "foam.json", "--format", "foam"}).exitCode, 0);
   EXPECT_EQ(python(R"(
@@ -64,10 +102,13 @@ links = yaml.safe_load(open("a.yml"))["collision_spheres"]
 curobo = [tuple(s["center"]) + (s["radius"],) for s in links["my box"]]
 link = xml.parse("a.srdf").getroot().find("link_sphere_approximation")
 srdf = [tuple(map(float, s.get("center").split())) + (float(s.get("radius")),) for s in link]
+balls = xml.parse("a.urdf").getroot().find("link").findall("collision")
+urdf = [tuple(map(float, b.find("origin").get("xyz").split())) + (float(b.find("geometry/sphere").get("radius")),)
+        for b in balls]
 foam = [tuple(s["origin"]) + (s["radius"],) for s in json.load(open("foam.json"))[1]["spheres"]]
-print(len(ours), curobo == ours, srdf == ours, foam == ours, link.get("link"))
+print(len(ours), curobo == ours, srdf == ours, foam == ours, urdf == ours, link.get("link"))
 )"),
-            "8 True True True my box\n");
+            "8 True True True True my box\n");
 }
 
 TEST_F(Export, ALevelCanBeChosen) {
@@ -99,7 +140,7 @@ std::string arm() {
 <!-- An arm > of two links. -->
 <robot name="arm"   version='1.0'>
   <link name="base">
-    <inertial><mass value="1e0"/></inertial>
+    <inertial><mass value="1e0"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
     <visual><geometry><box size="9 9 9"/></geometry></visual>
     <collision name="foot">
       <!-- keep me -->
@@ -228,6 +269,7 @@ TEST_F(Urdf, PrintsATableOfLinksAndWritesForPlanners) {
 TEST_F(Urdf, CheckUrdfTakesTheResult) {
   if (!isInstalled("command -v check_urdf")) GTEST_SKIP() << "check_urdf (liburdfdom-tools) is not installed";
   ASSERT_EQ(run(command()).exitCode, 0);
+  EXPECT_EQ(complaintsOfUrdfdom("out.urdf"), "");
   EXPECT_NE(shell("check_urdf out.urdf").find("child(1):  upper"), std::string::npos);
 }
 

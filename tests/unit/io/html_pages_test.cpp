@@ -51,7 +51,7 @@ class HtmlPages : public testing::Test {
 
 TEST_F(HtmlPages, NoTextFromOutsideBecomesScript) {
   const Box box;
-  const std::string page = formatHtmlReport(box.build, box.provenance, box.surface).value();
+  const std::string page = formatHtmlReport(box.build, box.provenance, box.surface, PageTimes::Shown).value();
   EXPECT_THAT(page, Not(HasSubstr("alert(1)</script>")));
   EXPECT_THAT(page, HasSubstr("a\\u003c/script>\\u003cscript>alert(1)"));
   EXPECT_EQ(countOf(page, "<script"), countOf(page, "</script>"));
@@ -60,14 +60,28 @@ TEST_F(HtmlPages, NoTextFromOutsideBecomesScript) {
 TEST_F(HtmlPages, NothingIsLeftToFillIn) {
   const Box box;
   const std::string summary = R"({"tool": {}, "totals": {}, "assets": [], "run": {}})";
-  for (const std::string& page : {formatHtmlReport(box.build, box.provenance, box.surface).value(),
-                                  batchPage(summary, {}).value(), comparePage(R"({"rows": []})").value()}) {
+  for (const std::string& page :
+       {formatHtmlReport(box.build, box.provenance, box.surface, PageTimes::Shown).value(),
+        batchPage(summary, {}).value(), comparePage(R"({"rows": []})").value()}) {
     EXPECT_EQ(page.rfind("<!DOCTYPE html>", 0), 0U);
     EXPECT_THAT(page, Not(HasSubstr("{{page.")));
     EXPECT_THAT(page, HasSubstr("default-src 'none'"));
     EXPECT_THAT(page, HasSubstr("Chart.js Contributors"));  // the licence goes with the code
     EXPECT_EQ(page.substr(page.size() - 8), "</html>\n");
   }
+}
+
+TEST_F(HtmlPages, WithoutTimesTheSameBuildGivesTheSameBytes) {
+  const Box box;
+  builders::BuildResult slower = box.build;
+  slower.report.threads += 1;
+  for (auto& stage : slower.report.stages) stage.seconds += 1;
+  const auto page = [&](const builders::BuildResult& build, PageTimes times) {
+    return formatHtmlReport(build, box.provenance, box.surface, times).value();
+  };
+  EXPECT_EQ(page(box.build, PageTimes::LeftOut), page(slower, PageTimes::LeftOut));
+  EXPECT_NE(page(box.build, PageTimes::Shown), page(slower, PageTimes::Shown));
+  EXPECT_THAT(page(box.build, PageTimes::LeftOut), HasSubstr("\"sphere_tests_per_close_pair\":"));
 }
 
 TEST(Thumbnail, HasABallPerNodeOfTheLevelItShows) {
