@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <tuple>
 
 namespace spheretree::builders {
@@ -31,7 +32,33 @@ bool divide(std::span<const SurfaceCell> all, std::vector<SurfaceCell>& low, std
   return !low.empty() && !high.empty();
 }
 
-void collect(std::vector<SurfaceCell> triangles, double size, std::vector<Piece>& out) {
+// So many needles side by side go into common pieces: one at a time each of them would take as many pieces as
+// it is longer than one.
+constexpr std::size_t kManyNeedles = 256;
+constexpr double kNeedle = 0.1;  // height over length
+// A region falls into so many parts of triangles at most, or twice as many as it has: memory goes with them.
+constexpr double kMostParts = 100'000;
+
+bool isNeedle(const SurfaceCell& cell) {
+  const double longest = medial::longestEdge(cell);
+  return 2 * medial::areaOf(cell) < kNeedle * longest * longest;
+}
+
+/// Bisects whatever is longer than both half of the group and a piece, so that the group can be divided
+/// across its needles.
+void shorten(std::vector<SurfaceCell>& triangles, double longest) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    while (medial::longestEdge(triangles[i]) > longest) {
+      const auto [first, second] = medial::bisect(triangles[i]);
+      triangles[i] = first;
+      triangles.push_back(second);
+    }
+  }
+}
+
+enum class Needles : std::uint8_t { Alone, Together };
+
+void collect(std::vector<SurfaceCell> triangles, double size, Needles needles, std::vector<Piece>& out) {
   Eigen::AlignedBox3d box;
   for (const SurfaceCell& cell : triangles) {
     for (const Vector3d& p : cell) box.extend(p);
@@ -42,23 +69,38 @@ void collect(std::vector<SurfaceCell> triangles, double size, std::vector<Piece>
       return;
     }
     const auto [first, second] = medial::bisect(triangles.front());
-    collect({first}, size, out);
-    collect({second}, size, out);
+    collect({first}, size, needles, out);
+    collect({second}, size, needles, out);
     return;
   }
-  if (box.diagonal().norm() <= size) {
+  const double length = box.diagonal().norm();
+  if (length <= size) {
     out.push_back(pieceOf(std::move(triangles)));
     return;
   }
+  if (needles == Needles::Together) shorten(triangles, std::max(size, length / 2));
   std::vector<SurfaceCell> low;
   std::vector<SurfaceCell> high;
   if (!divide(triangles, low, high)) {
-    for (const SurfaceCell& cell : triangles) collect({cell}, size, out);
+    for (const SurfaceCell& cell : triangles) collect({cell}, size, needles, out);
     return;
   }
   triangles = {};
-  collect(std::move(low), size, out);
-  collect(std::move(high), size, out);
+  collect(std::move(low), size, needles, out);
+  collect(std::move(high), size, needles, out);
+}
+
+/// `size`, or more where needles would fall into too many parts.
+double sizeFor(const std::vector<double>& lengths, double size) {
+  const double most = std::max(kMostParts, 2 * static_cast<double>(lengths.size()));
+  const auto parts = [&](double at) {
+    double sum = 0;
+    for (const double length : lengths) sum += std::max(1.0, 2 * length / at);
+    return sum;
+  };
+  constexpr double kStep = 1.25;
+  while (parts(size) > most) size *= kStep;
+  return size;
 }
 
 }  // namespace
@@ -103,7 +145,15 @@ std::pair<Piece, Piece> cut(const Piece& piece) {
 
 std::vector<Piece> surfacePieces(std::span<const SurfaceCell> cells, double size) {
   std::vector<Piece> pieces;
-  if (!cells.empty()) collect({cells.begin(), cells.end()}, size, pieces);
+  if (cells.empty()) return pieces;
+  std::vector<double> lengths;  // of needles that are longer than a piece
+  for (const SurfaceCell& cell : cells) {
+    if (const double length = medial::longestEdge(cell); length > size && isNeedle(cell))
+      lengths.push_back(length);
+  }
+  const bool many = lengths.size() >= kManyNeedles;
+  collect({cells.begin(), cells.end()}, many ? sizeFor(lengths, size) : size,
+          many ? Needles::Together : Needles::Alone, pieces);
   return pieces;
 }
 
