@@ -20,25 +20,47 @@ constexpr double kSolidGap = 1e-3;
 
 void measureOverhang(LevelMetrics& metrics, const medial::Surface& surface,
                      std::span<const medial::Ball> balls, const medial::Context& context) {
-  std::vector<Bounds> bounds(balls.size());
-  medial::parallelFor(balls.size(), context, [&](std::size_t i) {
-    bounds[i] = boundOverhang(surface, balls[i], kRelativeGap, kAbsoluteGap * surface.diagonal()).value;
-  });
-  double sum = 0;
+  const LevelOverhang found = levelOverhang(surface, balls, context);
+  metrics.overhangWorst = found.worst;
+  metrics.worstBall = found.worstBall;
   metrics.ballOverhang.reserve(balls.size());
-  for (std::uint32_t i = 0; i < balls.size(); ++i) {
-    metrics.overhangWorst.lower = std::max(metrics.overhangWorst.lower, bounds[i].lower);
-    if (bounds[i].upper > metrics.overhangWorst.upper) {
-      metrics.overhangWorst.upper = bounds[i].upper;
-      metrics.worstBall = i;
-    }
-    metrics.ballOverhang.push_back(bounds[i].upper);
-    sum += bounds[i].upper;
+  double sum = 0;
+  for (const Bounds& ball : found.balls) {
+    metrics.ballOverhang.push_back(ball.upper);
+    sum += ball.upper;
   }
   if (!balls.empty()) metrics.overhangMean = sum / static_cast<double>(balls.size());
 }
 
 }  // namespace
+
+LevelOverhang levelOverhang(const medial::Surface& surface, std::span<const medial::Ball> balls,
+                            const medial::Context& context, const Sharpness& sharpness) {
+  const double absoluteGap = kAbsoluteGap * surface.diagonal();
+  LevelOverhang result;
+  result.balls.resize(balls.size());
+  medial::parallelFor(balls.size(), context, [&](std::size_t i) {
+    result.balls[i] = boundOverhang(surface, balls[i], kRelativeGap, absoluteGap).value;
+  });
+  // The worst one is looked at again, and so is whichever may then be the worst.
+  std::vector<bool> sharp(balls.size(), false);
+  for (std::uint32_t looks = 0; !balls.empty(); ++looks) {
+    const auto lower = [](const Bounds& a, const Bounds& b) { return a.upper < b.upper; };
+    const auto worst = std::max_element(result.balls.begin(), result.balls.end(), lower);
+    const auto i = static_cast<std::size_t>(worst - result.balls.begin());
+    result.worstBall = static_cast<std::uint32_t>(i);
+    if (sharp[i] || looks == sharpness.mostBalls) break;
+    const Bounds again =
+        boundOverhang(surface, balls[i], sharpness.relativeGap, sharpness.relativeGap * absoluteGap).value;
+    *worst = {std::max(worst->lower, again.lower), std::min(worst->upper, again.upper)};
+    sharp[i] = true;
+  }
+  for (const Bounds& ball : result.balls) {
+    result.worst.lower = std::max(result.worst.lower, ball.lower);
+    result.worst.upper = std::max(result.worst.upper, ball.upper);
+  }
+  return result;
+}
 
 LevelMetrics measureLevel(const medial::Surface& surface, std::span<const medial::Ball> balls,
                           const medial::Context& context) {

@@ -29,6 +29,22 @@ struct LevelMetrics {
   double volumeRatio = 0;  ///< volume / volume of the solid
 };
 
+/// How closely the figure of a level is wanted, beyond what every ball is known to.
+struct Sharpness {
+  double relativeGap = 1e-4;     ///< of the worst ball's bracket
+  std::uint32_t mostBalls = 16;  ///< looked at again, one after the other: whichever may be the worst
+};
+
+/// How far each ball sticks out, and the farthest of them.
+struct LevelOverhang {
+  std::vector<Bounds> balls;    ///< gap at most 1 % of the value or 1e-5 of the diagonal
+  Bounds worst;                 ///< closer than that as a rule: Sharpness
+  std::uint32_t worstBall = 0;  ///< index of the ball that reaches worst.upper
+};
+
+[[nodiscard]] LevelOverhang levelOverhang(const medial::Surface& surface, std::span<const medial::Ball> balls,
+                                          const medial::Context& context, const Sharpness& sharpness = {});
+
 /// Everything in docs/error-metrics.md for one set of balls.
 [[nodiscard]] LevelMetrics measureLevel(const medial::Surface& surface, std::span<const medial::Ball> balls,
                                         const medial::Context& context);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <tuple>
 
 namespace spheretree::builders {
@@ -42,14 +43,18 @@ void collect(const SurfaceCell& triangle, double size, std::vector<Piece>& out) 
   collect(second, size, out);
 }
 
-/// Sorts the triangles on the way.
-void collect(std::span<SurfaceCell> triangles, double size, std::vector<Piece>& out) {
-  if (triangles.size() == 1) return collect(triangles.front(), size, out);
+double lengthOf(std::span<const SurfaceCell> triangles) {
   Eigen::AlignedBox3d box;
   for (const SurfaceCell& cell : triangles) {
     for (const Vector3d& p : cell) box.extend(p);
   }
-  if (box.diagonal().norm() <= size) {
+  return box.diagonal().norm();
+}
+
+/// Sorts the triangles on the way.
+void collect(std::span<SurfaceCell> triangles, double size, std::vector<Piece>& out) {
+  if (triangles.size() == 1) return collect(triangles.front(), size, out);
+  if (lengthOf(triangles) <= size) {
     out.push_back(pieceOf({triangles.begin(), triangles.end()}));
     return;
   }
@@ -60,6 +65,53 @@ void collect(std::span<SurfaceCell> triangles, double size, std::vector<Piece>& 
   }
   collect(triangles.first(low), size, out);
   collect(triangles.subspan(low), size, out);
+}
+
+// So many needles side by side go into common pieces: one at a time each of them would take as many pieces as
+// it is longer than one.
+constexpr std::size_t kManyNeedles = 256;
+constexpr double kNeedle = 0.1;  // height over length
+// A region falls into so many parts of triangles at most, or twice as many as it has: memory goes with them.
+constexpr double kMostParts = 100'000;
+
+bool isNeedle(const SurfaceCell& cell) {
+  const double longest = medial::longestEdge(cell);
+  return 2 * medial::areaOf(cell) < kNeedle * longest * longest;
+}
+
+/// As collect(), for needles: what is longer than both half of the group and a piece is bisected first, so
+/// that the group can be divided across its needles.
+void collectNeedles(std::vector<SurfaceCell> triangles, double size, std::vector<Piece>& out) {
+  const double length = lengthOf(triangles);
+  if (triangles.size() == 1 || length <= size) return collect(triangles, size, out);
+  const double longest = std::max(size, length / 2);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    while (medial::longestEdge(triangles[i]) > longest) {
+      const auto [first, second] = medial::bisect(triangles[i]);
+      triangles[i] = first;
+      triangles.push_back(second);
+    }
+  }
+  const std::size_t low = divide(triangles);
+  if (low == 0) return collect(triangles, size, out);
+  const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(low);
+  std::vector<SurfaceCell> high(middle, triangles.end());
+  triangles.erase(middle, triangles.end());
+  collectNeedles(std::move(triangles), size, out);
+  collectNeedles(std::move(high), size, out);
+}
+
+/// `size`, or more where needles would fall into too many parts.
+double sizeFor(const std::vector<double>& lengths, double size) {
+  const double most = std::max(kMostParts, 2 * static_cast<double>(lengths.size()));
+  const auto parts = [&](double at) {
+    double sum = 0;
+    for (const double length : lengths) sum += std::max(1.0, 2 * length / at);
+    return sum;
+  };
+  constexpr double kStep = 1.25;
+  while (parts(size) > most) size *= kStep;
+  return size;
 }
 
 }  // namespace
@@ -101,8 +153,18 @@ std::pair<Piece, Piece> cut(const Piece& piece) {
 
 std::vector<Piece> surfacePieces(std::span<const SurfaceCell> cells, double size) {
   std::vector<Piece> pieces;
+  if (cells.empty()) return pieces;
+  std::vector<double> lengths;  // of needles that are longer than a piece
+  for (const SurfaceCell& cell : cells) {
+    if (const double length = medial::longestEdge(cell); length > size && isNeedle(cell))
+      lengths.push_back(length);
+  }
   std::vector<SurfaceCell> sorted(cells.begin(), cells.end());
-  if (!sorted.empty()) collect(sorted, size, pieces);
+  if (lengths.size() >= kManyNeedles) {
+    collectNeedles(std::move(sorted), sizeFor(lengths, size), pieces);
+  } else {
+    collect(sorted, size, pieces);
+  }
   return pieces;
 }
 

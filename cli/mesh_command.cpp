@@ -141,7 +141,8 @@ std::string factsText(const io::MeshCheck& check) {
   text += line("closed", verdict(check.closed, boundary));
   text += line("manifold", verdict(check.manifold, crowded));
   text += line("oriented", verdict(check.oriented, turned));
-  text += line("self-intersections", std::to_string(check.selfIntersections));
+  text += line("self-intersections",
+               (check.allSelfIntersections ? "" : "at least ") + std::to_string(check.selfIntersections));
   text += line("genus", check.genus ? std::to_string(*check.genus) : "undefined");
   text += line("area", shortNumber(check.area, kDigits));
   text += line("volume", check.closed && check.oriented ? shortNumber(check.volume, kDigits) : "undefined");

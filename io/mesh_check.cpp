@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "io/mesh_topology.hpp"
@@ -71,7 +72,19 @@ class IntersectionTest {
   const medial::TriangleMesh& mesh_;
 };
 
-std::size_t countSelfIntersections(const medial::TriangleMesh& mesh) {
+// Boxes that overlap are tried so often at most, per triangle and besides: all triangles around one vertex
+// overlap there, and a hundred thousand of them make five thousand million pairs.
+constexpr std::uint64_t kMostTriesPerTriangle = 100;
+constexpr std::uint64_t kMostTries = 5'000'000;
+
+struct TooManyTries {};
+
+struct SelfIntersections {
+  std::size_t count = 0;
+  bool all = true;
+};
+
+SelfIntersections countSelfIntersections(const medial::TriangleMesh& mesh) {
   std::vector<Box> boxes;
   boxes.reserve(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -85,11 +98,17 @@ std::size_t countSelfIntersections(const medial::TriangleMesh& mesh) {
     boxes.emplace_back(CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()), t);
   }
   const IntersectionTest intersect(mesh);
-  std::size_t count = 0;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
-    if (intersect(std::min(a.info(), b.info()), std::max(a.info(), b.info()))) ++count;
-  });
-  return count;
+  SelfIntersections found;
+  std::uint64_t tries = kMostTries + kMostTriesPerTriangle * mesh.triangles.size();
+  try {
+    CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+      if (tries-- == 0) throw TooManyTries{};  // the algorithm itself cannot be stopped
+      if (intersect(std::min(a.info(), b.info()), std::max(a.info(), b.info()))) ++found.count;
+    });
+  } catch (const TooManyTries&) {
+    found.all = false;
+  }
+  return found;
 }
 
 }  // namespace
@@ -104,7 +123,9 @@ MeshCheck checkMesh(const medial::TriangleMesh& mesh) {
   check.nonManifoldEdges = topology.nonManifoldEdges;
   check.misorientedEdges = topology.misorientedEdges;
   check.nonManifoldVertices = topology.nonManifoldVertices;
-  check.selfIntersections = countSelfIntersections(mesh);
+  const SelfIntersections crossings = countSelfIntersections(mesh);
+  check.selfIntersections = crossings.count;
+  check.allSelfIntersections = crossings.all;
   check.closed = topology.boundaryEdges == 0;
   check.manifold = topology.nonManifoldEdges == 0 && topology.nonManifoldVertices == 0;
   check.oriented = topology.misorientedEdges == 0;

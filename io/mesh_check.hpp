@@ -20,6 +20,7 @@ struct MeshCheck {
   std::size_t misorientedEdges = 0;     ///< used twice, both times in the same direction
   std::size_t nonManifoldVertices = 0;  ///< whose triangles form more than one fan
   std::size_t selfIntersections = 0;    ///< pairs of triangles that cross or overlap away from shared corners
+  bool allSelfIntersections = true;     ///< false: too many boxes overlap, and there may be more of them
   bool closed = false;                  ///< no boundary edge
   bool manifold = false;                ///< no non-manifold edge or vertex
   bool oriented = false;                ///< every manifold edge used once in each direction

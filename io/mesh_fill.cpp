@@ -116,10 +116,13 @@ std::vector<Triangle> triangulateRim(const medial::TriangleMesh& mesh, const Rim
     points.emplace_back(p.x(), p.y(), p.z());
   }
   std::vector<CGAL::Triple<int, int, int>> faces;
+  // The method for flat rims is quick, but walks out of its triangulation and crashes when a rim is flat and
+  // crosses itself. Short rims do without it.
+  const bool isLong = rim.size() > kLongestFullSearch;
   pmp::triangulate_hole_polyline(points, std::back_inserter(faces),
-                                 CGAL::parameters::use_2d_constrained_delaunay_triangulation(true)
+                                 CGAL::parameters::use_2d_constrained_delaunay_triangulation(isLong)
                                      .use_delaunay_triangulation(true)
-                                     .do_not_use_cubic_algorithm(rim.size() > kLongestFullSearch));
+                                     .do_not_use_cubic_algorithm(isLong));
   std::vector<Triangle> triangles;
   triangles.reserve(faces.size());
   for (const auto& face : faces) {

@@ -73,6 +73,7 @@ std::string meshJson(const Provenance& provenance) {
        {"misoriented_edges", check.misorientedEdges},
        {"non_manifold_vertices", check.nonManifoldVertices},
        {"self_intersections", check.selfIntersections},
+       {"self_intersections_complete", check.allSelfIntersections},
        {"genus", check.genus ? Json(*check.genus) : Json(nullptr)},
        {"area", check.area},
        {"volume", check.volume},

@@ -148,6 +148,8 @@ def invariance(results):
     goals = ["goal"] + [f"{goal:.0e}" for _, _, goal in CHANGES]
     runs = sorted({row["runs"] for row in rows}, key=int)
     lines.append(f"* runs per model, builder and change: {', '.join(runs)}; what misses its goal is bold")
+    widest = max(float(row["bracket"]) for row in rows)
+    lines.append(f"* the overhang of a level is bracketed for this to {widest:.1e} of the diagonal or better")
     return lines + [""] + table(head, [goals] + body, head[1:])
 
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,21 @@ TEST(LevelMetrics, NameTheWorstBallAndAverageTheRest) {
   EXPECT_NEAR(metrics.overhangMean, 4.25 / 4, 0.01 * 4.25 / 4);
   EXPECT_FALSE(metrics.surface.certified);
   EXPECT_FALSE(metrics.solid.certified);
+}
+
+TEST(LevelMetrics, TellLevelsApartThatDifferByAThousandth) {
+  const Surface cube = boxSurface(2, 2, 2);
+  // Balls around corners stick out by their radius: one a thousandth more than the other, which a bracket of
+  // one per cent would not say.
+  const std::vector<Ball> balls{{Vector3d(1, 1, 1), 1}, {Vector3d(-1, 1, 1), 1.001}};
+  const LevelMetrics first = measureLevel(cube, std::span(balls.data(), 1), Context(1));
+  const LevelMetrics second = measureLevel(cube, std::span(balls.data() + 1, 1), Context(1));
+  EXPECT_LT(first.overhangWorst.upper, second.overhangWorst.lower);
+  EXPECT_NEAR(first.overhangWorst.upper, 1, 1e-4);
+  const LevelMetrics both = measureLevel(cube, balls, Context(1));
+  EXPECT_EQ(both.worstBall, 1U);
+  EXPECT_NEAR(both.overhangWorst.upper, 1.001, 1e-4);
+  EXPECT_NEAR(both.overhangWorst.lower, 1.001, 2e-4);
 }
 
 TEST(LevelMetrics, ScaleWithTheMesh) {

@@ -127,6 +127,16 @@ TEST(CheckMesh, TwoBoxesThatOverlapCrossAlongTheRim) {
   EXPECT_DOUBLE_EQ(check.volume, 2);
 }
 
+TEST(CheckMesh, AnEndlessCountIsCutShortAndSaysSo) {
+  // All sides of a cone overlap, as boxes do, at its tip: n (n - 1) / 2 pairs.
+  const MeshCheck few = checkMesh(models::makeCone(1, 1, 1000));
+  EXPECT_EQ(few.selfIntersections, 0U);
+  EXPECT_TRUE(few.allSelfIntersections);
+  const MeshCheck many = checkMesh(models::makeCone(1, 1, 6000));
+  EXPECT_FALSE(many.allSelfIntersections);
+  EXPECT_TRUE(many.closed && many.manifold && many.oriented);
+}
+
 TEST(CheckMesh, TurningTheMeshTellsTheSameStory) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
