@@ -67,9 +67,9 @@ void collect(std::span<SurfaceCell> triangles, double size, std::vector<Piece>& 
   collect(triangles.subspan(low), size, out);
 }
 
-// So many needles side by side go into common pieces: one at a time each of them would take as many pieces as
-// it is longer than one.
-constexpr std::size_t kManyNeedles = 256;
+// Needles that would fall into more pieces than this go into common ones: one at a time each of them takes as
+// many as it is longer than a piece. Fewer are better alone: common pieces are rounder, and so reach farther.
+constexpr double kManyPieces = 20'000;
 constexpr double kNeedle = 0.1;  // height over length
 // A region falls into so many parts of triangles at most, or twice as many as it has: memory goes with them.
 constexpr double kMostParts = 100'000;
@@ -101,16 +101,18 @@ void collectNeedles(std::vector<SurfaceCell> triangles, double size, std::vector
   collectNeedles(std::move(high), size, out);
 }
 
+/// How many parts needles of these lengths fall into, at most.
+double partsOf(const std::vector<double>& lengths, double size) {
+  double sum = 0;
+  for (const double length : lengths) sum += std::max(1.0, 2 * length / size);
+  return sum;
+}
+
 /// `size`, or more where needles would fall into too many parts.
 double sizeFor(const std::vector<double>& lengths, double size) {
   const double most = std::max(kMostParts, 2 * static_cast<double>(lengths.size()));
-  const auto parts = [&](double at) {
-    double sum = 0;
-    for (const double length : lengths) sum += std::max(1.0, 2 * length / at);
-    return sum;
-  };
   constexpr double kStep = 1.25;
-  while (parts(size) > most) size *= kStep;
+  while (partsOf(lengths, size) > most) size *= kStep;
   return size;
 }
 
@@ -160,7 +162,7 @@ std::vector<Piece> surfacePieces(std::span<const SurfaceCell> cells, double size
       lengths.push_back(length);
   }
   std::vector<SurfaceCell> sorted(cells.begin(), cells.end());
-  if (lengths.size() >= kManyNeedles) {
+  if (partsOf(lengths, size) > kManyPieces) {
     collectNeedles(std::move(sorted), sizeFor(lengths, size), pieces);
   } else {
     collect(sorted, size, pieces);

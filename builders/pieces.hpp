@@ -36,7 +36,7 @@ struct Piece {
 [[nodiscard]] std::pair<Piece, Piece> cut(const Piece& piece);
 
 /// The surface in pieces no longer than `size`: small triangles grouped, large ones cut, along a
-/// space-filling order that depends on the shape alone. Hundreds of needles are cut into pieces together,
+/// space-filling order that depends on the shape alone. Thousands of needles are cut into pieces together,
 /// and into longer ones where they would otherwise fall into more than two parts each and 100,000 in all.
 [[nodiscard]] std::vector<Piece> surfacePieces(std::span<const medial::SurfaceCell> cells, double size);
 

@@ -64,7 +64,7 @@ TEST(Pieces, AreAsManyForAFanOfNeedlesAsForItsArea) {
   constexpr double kSize = 0.1;
   // Pieces halve until they are short enough, so most are about half as long as they may be.
   const double most = 16 * std::numbers::pi / (kSize * kSize);
-  for (const std::uint32_t needles : {300U, 1000U, 2000U}) {
+  for (const std::uint32_t needles : {2000U, 3000U, 4000U}) {
     const std::vector<Piece> pieces = surfacePieces(fan(needles), kSize);
     EXPECT_LT(static_cast<double>(pieces.size()), most) << needles;
     EXPECT_LE(longestOf(pieces), kSize) << needles;
