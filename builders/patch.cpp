@@ -364,7 +364,7 @@ bool Patch::remove(std::size_t ball) {
   return placeOrphans();
 }
 
-void Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::uint32_t variant,
+bool Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::uint32_t variant,
                  const FitEffort& effort) {
   // The pieces of `at` are divided across the direction of one of its farthest ones.
   Member& grown = balls_[at];
@@ -375,7 +375,7 @@ void Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::ui
     if (!std::binary_search(allowed.begin(), allowed.end(), parent)) continue;
     far.emplace_back(-reach(at, piece), piece);
   }
-  if (far.empty()) return;
+  if (far.empty()) return true;
   std::sort(far.begin(), far.end());
   // Variant 0 takes the farthest, the others step through the farther half.
   const std::size_t pick = variant == 0 ? 0 : (variant * (far.size() / 2 + 1) / 5) % far.size();
@@ -408,7 +408,7 @@ void Patch::move(std::size_t from, std::size_t at, std::uint32_t parent, std::ui
     grown.state = Member::State::Idle;
     grown.load = 0;
   }
-  static_cast<void>(placeOrphans());
+  return placeOrphans();
 }
 
 /// A centre to start from for the points in own_: the best of some between them and the old centre, and of

@@ -46,9 +46,10 @@ class Patch {
   void adopt(std::size_t member, std::uint32_t parent) { balls_[member].parent = parent; }
 
   /// Takes ball `from` (a number within the patch) away and puts it below `parent` where ball `at` reaches
-  /// farthest, both to be fitted; `variant` chooses among ways to divide.
-  void move(std::size_t from, std::size_t at, std::uint32_t parent, std::uint32_t variant,
-            const FitEffort& effort);
+  /// farthest, both to be fitted; `variant` chooses among ways to divide. False when a piece of `from` has
+  /// nobody else: the patch is of no use then.
+  [[nodiscard]] bool move(std::size_t from, std::size_t at, std::uint32_t parent, std::uint32_t variant,
+                          const FitEffort& effort);
 
   /// Takes a ball away; its pieces go to the others. False when a piece has nobody else.
   [[nodiscard]] bool remove(std::size_t ball);

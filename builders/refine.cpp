@@ -367,7 +367,10 @@ class LevelRefiner {
       for (const Step& step : a.path) {
         if (const std::size_t k = number(step.ball); k < a.members.size()) patch.adopt(k, step.parent);
       }
-      if (!a.still) patch.move(number(a.from), number(a.at), a.parent, a.variant, request_.effort.trial);
+      // Balls that changed their parent since the price of this one was taken may not have its pieces now.
+      if (!a.still && !patch.move(number(a.from), number(a.at), a.parent, a.variant, request_.effort.trial)) {
+        return;
+      }
       patch.relax(kRelaxSweeps, a.still ? request_.effort.fit : request_.effort.trial,
                   a.still ? std::numeric_limits<double>::infinity() : before);
       a.gain = before - patch.energy();

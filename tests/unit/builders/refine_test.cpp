@@ -8,7 +8,9 @@
 #include <limits>
 #include <vector>
 
+#include "builders/corner_index.hpp"
 #include "builders/fit_ball.hpp"
+#include "builders/patch.hpp"
 #include "builders/pieces.hpp"
 #include "medial/random.hpp"
 #include "models/shapes.hpp"
@@ -40,6 +42,34 @@ PointBlock cornersOf(const Surface& surface) {
     for (const Vector3d& p : cell) points.push(p);
   }
   return points;
+}
+
+// Five levels of the bunny crashed: a ball was moved whose pieces no other parent nearby might have.
+TEST(Patch, SaysWhenThePiecesOfABallThatMovesAwayFindNobody) {
+  const Surface bar = solid(models::makeBox({2, 1, 1}));
+  const double middle = bar.bounds().center().x();
+  const medial::Context context;
+  for (const bool shared : {false, true}) {
+    SCOPED_TRACE(shared);
+    LevelProblem problem;
+    problem.parents = 2;
+    problem.pieces = surfacePieces(cellsOf(bar), 0.6);
+    std::vector<LevelBall> level(2);
+    for (std::uint32_t i = 0; i < problem.pieces.size(); ++i) {
+      const std::uint32_t side = problem.pieces[i].points.front().x() < middle ? 0 : 1;
+      problem.allowed.push_back(shared ? std::vector<std::uint32_t>{0, 1} : std::vector<std::uint32_t>{side});
+      level[side].pieces.push_back(i);
+    }
+    for (std::uint32_t side = 0; side < 2; ++side) {
+      level[side].parent = side;
+      level[side].fit = {probeDepth(bar, bar.bounds().center() + Vector3d(side == 0 ? -0.5 : 0.5, 0, 0)),
+                         1.2};
+    }
+    const RefineRequest request{.surface = bar, .effort = {}, .context = context};
+    const std::vector<std::uint32_t> members{0, 1};
+    Patch patch(request, problem, CornerIndex(problem.pieces), level, members, BallCost());
+    EXPECT_EQ(patch.move(0, 1, 1, 0, FitEffort()), shared);
+  }
 }
 
 TEST(FitBall, OneBallAroundACubeSitsInItsMiddle) {
