@@ -56,7 +56,8 @@ struct RefineEffort {
 
 /// How often a linked tree is built as a whole.
 struct BuildEffort {
-  bool sketch = true;           ///< a rough tree first, that shows where balls will be needed
+  bool sketch =
+      true;  ///< coarse levels first, and leaves spread without parents: show where balls are needed
   std::size_t starts = 0;       ///< further sets that the first level is refined from
   std::size_t pressures = 1;    ///< how many weights of loads each of them is refined with
   std::size_t lookedAhead = 1;  ///< first levels below which the second one is tried
