@@ -66,8 +66,8 @@ constexpr double kNearLeast = 1.05;
 // How often, and by how much, loads count less where otherwise the level would stick out too far.
 constexpr int kSecondChances = 2;
 constexpr double kSecondWeight = 0.2;
-// Passes differ in how much a load counts: which is best differs from shape to shape.
-constexpr std::array<double, 4> kLoadPressures{2, 1.3, 0.8, 3};
+// First levels differ in how much a load counts: which is best differs from shape to shape.
+constexpr std::array<double, 3> kLoadPressures{2, 1.3, 0.8};
 // Leaves are spread over the surface as if there were fewer by this share, so that there is room to move.
 constexpr double kSpareLeaves = 0.05;
 // Shares of the progress: of the sketch, and of the rest for looking ahead.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +19,7 @@ class PlaceIndex {
   /// Room for about so many places; more are taken, too.
   explicit PlaceIndex(std::size_t expected) { resize(std::bit_ceil(2 * expected + 2)); }
 
-  /// The number of the place; a new one is appended to places().
+  /// The number of the place; a new place gets the next one.
   std::uint32_t operator()(const Eigen::Vector3d& p) {
     if (2 * (places_.size() + 1) > slots_.size()) resize(2 * slots_.size());
     std::uint32_t& slot = slots_[slotOf(p)];
@@ -31,7 +30,7 @@ class PlaceIndex {
     return slot - 1;
   }
 
-  [[nodiscard]] const std::vector<Eigen::Vector3d>& places() const noexcept { return places_; }
+  /// All places, by their numbers.
   [[nodiscard]] std::vector<Eigen::Vector3d> takePlaces() && noexcept { return std::move(places_); }
 
  private:
