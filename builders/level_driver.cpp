@@ -51,6 +51,10 @@ constexpr double kRefineCellSize = 0.4;
 // Where only the density of balls counts.
 constexpr double kSpreadCellSize = 0.7;
 
+// A rough set's axis has this much error for every one that was asked for, and balls for every one.
+constexpr double kRoughError = 2;
+constexpr double kRoughBalls = 0.25;
+
 // Surface points of the axis that the first region is refined from.
 constexpr std::uint32_t kCoarseSamples = 1000;
 
@@ -456,9 +460,14 @@ class LevelDriver {
 
   /// The axis of a node's region, which `set` holds in pieces. Requires node.axis.
   [[nodiscard]] medial::RegionAxis axisOf(const OpenNode& node, const CellSet& set) const {
-    const double overhang = node.node.fit.standOff();
-    return medial::refineAxis(surface_, *node.axis, set,
-                              {settings_.axis.error * overhang, settings_.axis.leastBalls}, context_);
+    double error = settings_.axis.error * node.node.fit.standOff();
+    double leastBalls = settings_.axis.leastBalls;
+    if (isRough()) {
+      error *= kRoughError;
+      leastBalls *= kRoughBalls;
+    }
+    return medial::refineAxis(surface_, *node.axis, set, {error, static_cast<std::uint32_t>(leastBalls)},
+                              context_);
   }
 
   /// False when no ball could be improved: then there is no such level.
@@ -491,11 +500,14 @@ class LevelDriver {
     return start && (sketching_ || levels_.size() > 1) ? Use::Start : Use::Final;
   }
 
+  /// Whether the sets of this level are no more than a start: one reducer makes each, on coarse pieces.
+  [[nodiscard]] bool isRough() const {
+    return useOfSets() == Use::Start && levels_.size() > buildEffort(settings_.quality).carefulLevels;
+  }
+
   /// Whether a reducer is asked for the children of a node.
   [[nodiscard]] bool isAsked(std::size_t reducer, const OpenNode& node) const {
-    const bool all =
-        !refine_ || !link_ || levels_.size() == 1 || !buildEffort(settings_.quality).winnerGoesOn;
-    return all || reducer == node.winner;
+    return !isRough() || reducer == node.winner;
   }
 
   Proposal propose(const OpenNode& node, std::uint64_t seed) {
@@ -503,7 +515,8 @@ class LevelDriver {
     const double overhang = node.node.fit.standOff();
     if (overhang > goodEnough_) {
       const double radius = expectedRadius(node);
-      best.pieces = piecesOf(surface_, node.region, kSurfaceCellSize * radius, kSolidCellSize * radius);
+      const double size = isRough() ? kRefineCellSize : kSurfaceCellSize;
+      best.pieces = piecesOf(surface_, node.region, size * radius, kSolidCellSize * radius);
       const CellSet set = cellSetOf(best.pieces);
       medial::RegionAxis own;
       if (node.axis) {
@@ -566,8 +579,7 @@ class LevelDriver {
     if (!proposal.refined) return;
     LevelProblem problem;
     problem.branch = settings_.branch;
-    const double radius = expectedRadius(node);
-    problem.pieces = piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius);
+    problem.pieces = coarsePieces(node);
     problem.allowed.assign(problem.pieces.size(), {0});
     proposal.balls = refineLevel(problem, std::move(proposal.balls), requestFor(seed));
     proposal.pieces = std::move(problem.pieces);
@@ -751,12 +763,23 @@ class LevelDriver {
     return problem;
   }
 
-  /// The regions of all open nodes in pieces that seams can be cut into later.
+  /// The region of a node in pieces that seams can be cut into later.
+  [[nodiscard]] std::vector<Piece> coarsePieces(const OpenNode& node) const {
+    const double radius = expectedRadius(node);
+    return piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius);
+  }
+
   [[nodiscard]] std::vector<std::vector<Piece>> coarsePieces() const {
     std::vector<std::vector<Piece>> pieces;
-    for (const OpenNode& node : open_) {
-      const double radius = expectedRadius(node);
-      pieces.push_back(piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius));
+    for (const OpenNode& node : open_) pieces.push_back(coarsePieces(node));
+    return pieces;
+  }
+
+  /// The same, of which rough sets have most already.
+  [[nodiscard]] std::vector<std::vector<Piece>> roughPieces(const std::vector<Proposal>& proposals) const {
+    std::vector<std::vector<Piece>> pieces;
+    for (std::size_t i = 0; i < proposals.size(); ++i) {
+      pieces.push_back(proposals[i].refined ? proposals[i].pieces : coarsePieces(open_[i]));
     }
     return pieces;
   }
@@ -783,7 +806,7 @@ class LevelDriver {
 
   void refineTogether(std::vector<Proposal>& proposals) {
     const std::vector<LevelBall> given = ballsOfAll(proposals);
-    LevelProblem problem = problemOf(coarsePieces());
+    LevelProblem problem = problemOf(isRough() ? roughPieces(proposals) : coarsePieces());
     foresee(levels_.size(), problem, kLoadPressures.front());
     RefinedLevel level = refineGiven(problem, given);
     if (!sketching_ && worstOf(level.balls) > worstOf(given)) level = finePieces(proposals);

@@ -58,11 +58,11 @@ struct RefineEffort {
 struct BuildEffort {
   bool sketch =
       true;  ///< coarse levels first, and leaves spread without parents: show where balls are needed
-  std::size_t starts = 0;       ///< further sets that the first level is refined from
-  std::size_t pressures = 1;    ///< how many weights of loads each of them is refined with
-  std::size_t lookedAhead = 1;  ///< first levels below which the second one is tried
-  std::size_t passes = 1;       ///< whole trees, from those that then promise most; the best one stays
-  bool winnerGoesOn = false;    ///< below the first level only the reducer that a ball is from is asked
+  std::size_t starts = 0;         ///< further sets that the first level is refined from
+  std::size_t pressures = 1;      ///< how many weights of loads each of them is refined with
+  std::size_t lookedAhead = 1;    ///< first levels below which the second one is tried
+  std::size_t passes = 1;         ///< whole trees, from those that then promise most; the best one stays
+  std::size_t carefulLevels = 1;  ///< below so many, sets are rough: one reducer, a coarse axis and pieces
 };
 
 [[nodiscard]] BuildEffort buildEffort(Quality quality);
