@@ -55,6 +55,9 @@ constexpr double kSpreadCellSize = 0.7;
 constexpr double kRoughError = 2;
 constexpr double kRoughBalls = 0.25;
 
+// No ball sticks out more than the worst.
+constexpr double kNever = 2;
+
 // Surface points of the axis that the first region is refined from.
 constexpr std::uint32_t kCoarseSamples = 1000;
 
@@ -572,6 +575,7 @@ class LevelDriver {
   [[nodiscard]] RefineRequest requestFor(std::uint64_t seed) const {
     RefineEffort effort = refineEffort(settings_.quality);
     if (sketching_) effort = sketchEffort();
+    if (isRough() && !buildEffort(settings_.quality).polishesRough) effort.polishFrom = kNever;
     return {surface_, settings_.objective, goodEnough_, effort, seed, context_};
   }
 

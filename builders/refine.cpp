@@ -729,7 +729,7 @@ class LevelRefiner {
 RefineEffort refineEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {0, 3, 2, 30, 2, {4, 1e-2}, {4, 2e-2}, 0.8};
+      return {1, 3, 2, 30, 2, {4, 1e-2}, {4, 2e-2}, 0.8};
     case Quality::Best:
       return {4, 12, 10, 300, 16, {12, 3e-4}, {6, 5e-3}, 0};
     case Quality::Normal:
@@ -741,13 +741,13 @@ RefineEffort refineEffort(Quality quality) {
 BuildEffort buildEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {false, 0, 1, 1, 1, 1};
+      return {false, 0, 1, 1, 1, 1, false};
     case Quality::Best:
-      return {true, 8, 3, 10, 4, SettingLimits::kMostLevels};
+      return {true, 8, 3, 10, 4, SettingLimits::kMostLevels, true};
     case Quality::Normal:
       break;
   }
-  return {true, 2, 1, 3, 1, 2};
+  return {true, 2, 1, 3, 1, 2, true};
 }
 
 RefineEffort sketchEffort() {
