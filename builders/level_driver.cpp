@@ -19,10 +19,12 @@
 #include <utility>
 #include <vector>
 
+#include "builders/ancestry.hpp"
 #include "builders/fit_ball.hpp"
-#include "builders/grouping.hpp"
+#include "builders/foresight.hpp"
 #include "builders/pieces.hpp"
 #include "builders/refine.hpp"
+#include "builders/region.hpp"
 #include "builders/set_error.hpp"
 #include "medial/adaptive_axis.hpp"
 #include "medial/cell_set.hpp"
@@ -31,7 +33,6 @@
 #include "medial/parallel.hpp"
 #include "medial/random.hpp"
 #include "medial/solid_cells.hpp"
-#include "medial/surface_samples.hpp"
 
 namespace spheretree::builders {
 namespace {
@@ -61,12 +62,6 @@ constexpr double kNever = 2;
 // Surface points of the axis that the first region is refined from.
 constexpr std::uint32_t kCoarseSamples = 1000;
 
-// A ball that needs this many times the children it may have sticks out, on every level below it, this power
-// of it farther: the number of balls that a stand-off takes goes with about its power 1.5 (measured; a smooth
-// surface has 1).
-constexpr double kStandOffPerLoad = 0.67;
-// Powers of stand-off and load in the cost of a ball (patch.cpp); what makes their trade-offs comparable.
-constexpr double kPowerRatio = 10.0 / 6.0;
 // The first level may stick out so many times the least that any of its sets does, for the sake of the
 // others.
 constexpr double kNearLeast = 1.05;
@@ -75,8 +70,6 @@ constexpr int kSecondChances = 2;
 constexpr double kSecondWeight = 0.2;
 // First levels differ in how much a load counts: which is best differs from shape to shape.
 constexpr std::array<double, 3> kLoadPressures{2, 1.3, 0.8};
-// Leaves are spread over the surface as if there were fewer by this share, so that there is room to move.
-constexpr double kSpareLeaves = 0.05;
 // Shares of the progress: of the sketch, and of the rest for looking ahead.
 constexpr double kSketchShare = 0.1;
 constexpr double kLookShare = 0.4;
@@ -85,22 +78,9 @@ constexpr double kDeeper = 1000;
 
 using Axis = std::shared_ptr<const medial::RegionAxis>;
 
-/// What one ball has to cover.
-struct Region {
-  std::vector<SurfaceCell> surface;
-  std::vector<AlignedBox3d> cubes;  // Cover::Solid only; the solid inside them
-};
-
-/// A ball of a finished level.
-struct Node {
-  Fit fit;
-  std::uint32_t parent = 0;
-  std::string_view maker{};
-};
-
 /// A ball of the last level so far, with what the next one is made from.
 struct OpenNode {
-  Node node;
+  LevelNode node;
   Region region;
   Axis axis;  // of the region above, which this one's is refined from; null when no reducer wants any
   std::size_t winner = 0;  // the reducer that the ball is from
@@ -114,17 +94,6 @@ struct Proposal {
   std::size_t winner = 0;
   bool refined = false;
 };
-
-void refineSolid(const Surface& surface, const AlignedBox3d& cube, double size,
-                 std::vector<medial::SolidCell>& out) {
-  std::vector<Eigen::Vector3d> points = medial::solidPoints(surface, cube, surface.trianglesNear(cube));
-  if (points.empty()) return;
-  if (cube.sizes().maxCoeff() <= size) {
-    out.push_back({cube, std::move(points)});
-    return;
-  }
-  for (const AlignedBox3d& octant : medial::octants(cube)) refineSolid(surface, octant, size, out);
-}
 
 /// Hands every piece to the ball that needs to stick out least for it, drops balls that get none and shrinks
 /// the others to what they got.
@@ -165,21 +134,6 @@ double worstOf(const std::vector<LevelBall>& level) {
   return worst;
 }
 
-/// The region in pieces of about a fraction `size` of the balls that are expected to cover it.
-std::vector<Piece> piecesOf(const Surface& surface, const Region& region, double surfaceSize,
-                            double solidSize) {
-  std::vector<Piece> pieces = surfacePieces(region.surface, surfaceSize);
-  std::vector<medial::SolidCell> solid;
-  for (const AlignedBox3d& cube : region.cubes) refineSolid(surface, cube, solidSize, solid);
-  for (medial::SolidCell& cell : solid) {
-    Piece piece;
-    piece.cube = cell.cube;
-    piece.points = std::move(cell.points);
-    pieces.push_back(std::move(piece));
-  }
-  return pieces;
-}
-
 class LevelDriver {
  public:
   LevelDriver(const Surface& surface, const BuildSettings& settings, std::span<const NamedReducer> reducers,
@@ -190,7 +144,8 @@ class LevelDriver {
         context_(context),
         goodEnough_(settings.maxError * surface.diagonal()),
         refine_(isOn(settings.refine)),
-        link_(isOn(settings.link)) {}
+        link_(isOn(settings.link)),
+        foresight_(surface, settings, context) {}
 
   BallTree run() {
     const bool foreseeing =
@@ -208,7 +163,7 @@ class LevelDriver {
       build(settings_.levels);  // some of the shape is done with before the leaves
       return tree();
     }
-    spreadLeaves();
+    foresight_.spread(allPieces(kSpreadCellSize), requestFor(settings_.seed));
     buildLookingAhead();
     return tree();
   }
@@ -218,21 +173,18 @@ class LevelDriver {
     makeRoot();
     OpenNode& root = open_.front();
     if (!root.axis) root.axis = coarseAxis();
-    const double radius = expectedRadius(root);
-    const CellSet set =
-        cellSetOf(piecesOf(surface_, root.region, kSurfaceCellSize * radius, kSolidCellSize * radius));
-    return axisOf(root, set).axis;
+    return axisOf(root, cellSetOf(piecesOf(root, kSurfaceCellSize))).axis;
   }
 
  private:
-  using Levels = std::vector<std::vector<Node>>;
+  using Levels = std::vector<std::vector<LevelNode>>;
   using Winners = std::vector<std::vector<std::pair<std::string, std::size_t>>>;
 
   [[nodiscard]] BallTree tree() {
     BallTree tree;
-    for (const std::vector<Node>& level : levels_) {
+    for (const std::vector<LevelNode>& level : levels_) {
       tree.levels.emplace_back();
-      for (const Node& node : level) {
+      for (const LevelNode& node : level) {
         tree.levels.back().push_back({{node.fit.center.at, node.fit.reach}, node.parent, node.maker});
       }
     }
@@ -246,7 +198,7 @@ class LevelDriver {
     double sum = 0;
     for (std::size_t l = 1; l < levels.size(); ++l) {
       double worst = std::numeric_limits<double>::min();
-      for (const Node& node : levels[l]) worst = std::max(worst, node.fit.standOff());
+      for (const LevelNode& node : levels[l]) worst = std::max(worst, node.fit.standOff());
       sum += std::log(worst) - kDeeper;
     }
     return sum;
@@ -344,88 +296,6 @@ class LevelDriver {
     goOnFrom(std::move(best));
   }
 
-  /// The leaves as if they needed no parents: shows where balls are needed.
-  void spreadLeaves() {
-    LevelProblem problem;
-    const double slots = std::pow(settings_.branch, static_cast<double>(settings_.levels - 1));
-    problem.branch = static_cast<std::uint32_t>(std::max(1.0, slots * (1 - kSpareLeaves)));
-    for (const OpenNode& node : open_) {
-      const double radius = expectedRadius(node);
-      std::vector<Piece> pieces =
-          piecesOf(surface_, node.region, kSpreadCellSize * radius, kSolidCellSize * radius);
-      std::move(pieces.begin(), pieces.end(), std::back_inserter(problem.pieces));
-    }
-    problem.allowed.assign(problem.pieces.size(), {0});
-    std::vector<LevelBall> balls = farApartBalls(problem);
-    RefineRequest request = requestFor(settings_.seed);
-    request.effort = spreadEffort(settings_.quality);
-    balls = refineLevel(problem, std::move(balls), request);
-    for (const LevelBall& ball : balls) {
-      leaves_.push_back(ball.fit);
-      leafPoints_.emplace_back();
-      for (const std::uint32_t piece : ball.pieces) {
-        for (const Eigen::Vector3d& p : problem.pieces[piece].points) leafPoints_.back().push(p);
-      }
-    }
-  }
-
-  /// As many balls as the problem may have, touching the surface at places far from each other.
-  [[nodiscard]] std::vector<LevelBall> farApartBalls(const LevelProblem& problem) const {
-    std::vector<Eigen::Vector3d> places;
-    for (const Piece& piece : problem.pieces) places.push_back(piece.points.front());
-    const std::vector<std::size_t> chosen = farApart(places, 0, problem.branch);
-    std::vector<LevelBall> balls(chosen.size());
-    medial::parallelFor(chosen.size(), context_, [&](std::size_t i) {
-      const medial::ClosestPoint on = surface_.closestPoint(places[chosen[i]]);
-      balls[i].fit.center =
-          probeDepth(surface_, medial::tangentBall(surface_, {on.point, on.triangle}).center);
-    });
-    return balls;
-  }
-
-  /// How many children on the level below `depth` each piece will need: as many as leaves were spread there,
-  /// in the proportion of the levels' sizes.
-  void foresee(std::size_t depth, LevelProblem& problem, double pressure) const {
-    if (leaves_.empty() || depth + 1 >= settings_.levels) return;
-    const std::size_t n = problem.pieces.size();
-    std::vector<std::uint32_t> nearest(n, 0);
-    std::vector<double> area(n, 0);
-    constexpr std::size_t kBlock = 256;
-    medial::parallelFor((n + kBlock - 1) / kBlock, context_, [&](std::size_t block) {
-      for (std::size_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
-        area[i] = areaOf(problem.pieces[i]);
-        const Eigen::Vector3d& p = problem.pieces[i].points.front();
-        double least = std::numeric_limits<double>::infinity();
-        for (std::uint32_t k = 0; k < leaves_.size(); ++k) {
-          const DepthProbe& center = leaves_[k].center;
-          const double limit = least + center.depth;
-          if (limit < 0 || (p - center.at).squaredNorm() >= limit * limit) continue;
-          least = (p - center.at).norm() - center.depth;
-          nearest[i] = k;
-        }
-      }
-    });
-    std::vector<double> areaOfLeaf(leaves_.size(), 0);
-    for (std::size_t i = 0; i < n; ++i) areaOfLeaf[nearest[i]] += area[i];
-    const double levelsBelow = static_cast<double>(settings_.levels - 1 - depth);
-    const double share =
-        std::pow(settings_.branch, static_cast<double>(depth + 1)) / static_cast<double>(leaves_.size());
-    problem.loads.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      problem.loads[i] = areaOfLeaf[nearest[i]] > 0 ? share * area[i] / areaOfLeaf[nearest[i]] : 0;
-    }
-    problem.fairLoad = settings_.branch;
-    problem.loadWeight = kStandOffPerLoad * levelsBelow * kPowerRatio * pressure;
-  }
-
-  /// What a level will lead to: the sum over it and the levels below of the logarithm of the worst stand-off.
-  [[nodiscard]] double prospect(const std::vector<LevelBall>& balls, std::size_t depth) const {
-    double load = 1;
-    for (const LevelBall& ball : balls) load = std::max(load, ball.load / settings_.branch);
-    const double levelsBelow = static_cast<double>(settings_.levels - 1 - depth);
-    return std::log(worstOf(balls)) + kStandOffPerLoad * levelsBelow * std::log(load);
-  }
-
   [[nodiscard]] bool isOn(Toggle toggle) const {
     return toggle == Toggle::Auto ? settings_.builder == "combined" : toggle == Toggle::On;
   }
@@ -517,9 +387,7 @@ class LevelDriver {
     Proposal best;
     const double overhang = node.node.fit.standOff();
     if (overhang > goodEnough_) {
-      const double radius = expectedRadius(node);
-      const double size = isRough() ? kRefineCellSize : kSurfaceCellSize;
-      best.pieces = piecesOf(surface_, node.region, size * radius, kSolidCellSize * radius);
+      best.pieces = piecesOf(node, isRough() ? kRefineCellSize : kSurfaceCellSize);
       const CellSet set = cellSetOf(best.pieces);
       medial::RegionAxis own;
       if (node.axis) {
@@ -550,8 +418,8 @@ class LevelDriver {
 
   /// Good enough, or nothing better was found: the ball stands for itself on the next level.
   void repeat(const OpenNode& node, Proposal& proposal) const {
-    proposal.pieces = piecesOf(surface_, node.region, std::numeric_limits<double>::infinity(),
-                               std::numeric_limits<double>::infinity());
+    constexpr double kWhole = std::numeric_limits<double>::infinity();
+    proposal.pieces = builders::piecesOf(surface_, node.region, {kWhole, kWhole});
     LevelBall same;
     same.fit = node.node.fit;
     for (std::uint32_t i = 0; i < proposal.pieces.size(); ++i) same.pieces.push_back(i);
@@ -561,8 +429,19 @@ class LevelDriver {
     proposal.refined = false;
   }
 
-  [[nodiscard]] double expectedRadius(const OpenNode& node) const {
-    return node.node.fit.reach / std::sqrt(static_cast<double>(settings_.branch));
+  /// The region of a node in pieces of about a fraction `size` of the balls that are expected to cover it.
+  [[nodiscard]] std::vector<Piece> piecesOf(const OpenNode& node, double size) const {
+    const double radius = node.node.fit.reach / std::sqrt(static_cast<double>(settings_.branch));
+    return builders::piecesOf(surface_, node.region, {size * radius, kSolidCellSize * radius});
+  }
+
+  [[nodiscard]] std::vector<Piece> allPieces(double size) const {
+    std::vector<Piece> all;
+    for (const OpenNode& node : open_) {
+      std::vector<Piece> pieces = piecesOf(node, size);
+      std::move(pieces.begin(), pieces.end(), std::back_inserter(all));
+    }
+    return all;
   }
 
   static CellSet cellSetOf(const std::vector<Piece>& pieces) {
@@ -583,42 +462,11 @@ class LevelDriver {
     if (!proposal.refined) return;
     LevelProblem problem;
     problem.branch = settings_.branch;
-    problem.pieces = coarsePieces(node);
+    problem.pieces = piecesOf(node, kRefineCellSize);
     problem.allowed.assign(problem.pieces.size(), {0});
     proposal.balls = refineLevel(problem, std::move(proposal.balls), requestFor(seed));
     proposal.pieces = std::move(problem.pieces);
     if (!(worstOf(proposal.balls) < node.node.fit.standOff())) repeat(node, proposal);
-  }
-
-  /// Who may answer for a piece: the tree so far, and how far the balls of each level may stick out.
-  struct Reach {
-    std::vector<std::vector<std::uint32_t>> children;  // of all nodes, level after level
-    std::vector<double> caps;
-  };
-
-  /// The nodes of the last level whose ball, grown to the stand-off of the worst of its level, holds the
-  /// piece, and whose ancestors do as well.
-  [[nodiscard]] std::vector<std::uint32_t> holders(const Piece& piece, const Reach& reach) const {
-    std::vector<std::uint32_t> now{0};
-    std::size_t base = 1;  // number of the first node of the level in the numbering of `children`
-    std::size_t above = 0;
-    for (std::size_t l = 1; l < levels_.size(); ++l) {
-      std::vector<std::uint32_t> next;
-      for (const std::uint32_t n : now) {
-        for (const std::uint32_t child : reach.children[above + n]) {
-          const Fit& fit = levels_[l][child].fit;
-          const double radius = std::max(fit.reach, fit.center.depth + reach.caps[l]);
-          const bool holds = std::all_of(piece.points.begin(), piece.points.end(), [&](const auto& p) {
-            return (p - fit.center.at).squaredNorm() <= radius * radius;
-          });
-          if (holds) next.push_back(child);
-        }
-      }
-      above = base;
-      base += levels_[l].size();
-      now = std::move(next);
-    }
-    return now;
   }
 
   /// A level that was refined, and the pieces that this has cut.
@@ -632,7 +480,7 @@ class LevelDriver {
                                      const RefineRequest& request) const {
     RefinedLevel level{std::move(problem), {}, 0};
     level.balls = refineLevel(level.problem, std::move(balls), request);
-    level.prospect = prospect(level.balls, levels_.size());
+    level.prospect = foresight_.prospect(level.balls, levels_.size());
     return level;
   }
 
@@ -666,11 +514,14 @@ class LevelDriver {
     RefineRequest request = requestFor(settings_.seed + 1);
     request.effort = refineEffort(Quality::Normal);
     std::vector<std::vector<LevelBall>> starts{balls};
-    for (std::vector<LevelBall>& other : otherStarts(balls)) starts.push_back(std::move(other));
+    std::move(rivals_.begin(), rivals_.end(), std::back_inserter(starts));
+    for (std::vector<LevelBall>& even : foresight_.evenSets(balls, buildEffort(settings_.quality).starts)) {
+      starts.push_back(std::move(even));
+    }
     std::vector<RefinedLevel> all;
     for (std::size_t k = 0; k < buildEffort(settings_.quality).pressures; ++k) {
       LevelProblem pressed = problem;
-      foresee(1, pressed, kLoadPressures[k]);
+      foresight_.weigh(pressed, 1, kLoadPressures[k]);
       for (const std::vector<LevelBall>& start : starts) all.push_back(refined(pressed, start, request));
     }
     const auto promising = [](const RefinedLevel& a, const RefinedLevel& b) {
@@ -695,49 +546,6 @@ class LevelDriver {
     return good;
   }
 
-  /// Other sets for the first level: those of the reducers that lost, and some that share the leaves evenly.
-  [[nodiscard]] std::vector<std::vector<LevelBall>> otherStarts(const std::vector<LevelBall>& given) {
-    std::vector<std::vector<LevelBall>> starts = std::move(rivals_);
-    const std::size_t capacity = (leaves_.size() + settings_.branch - 1) / settings_.branch;
-    for (std::size_t k = 0; k < buildEffort(settings_.quality).starts; ++k) {
-      std::vector<DepthProbe> centers;
-      if (k == 0) {
-        for (const LevelBall& ball : given) centers.push_back(ball.fit.center);
-      } else {
-        std::vector<Eigen::Vector3d> places;
-        for (const Fit& leaf : leaves_) places.push_back(leaf.center.at);
-        const std::size_t first = medial::Random(settings_.seed, k).next() % leaves_.size();
-        for (const std::size_t i : farApart(places, first, settings_.branch))
-          centers.push_back(leaves_[i].center);
-      }
-      if (centers.size() * capacity < leaves_.size()) continue;
-      starts.emplace_back();
-      for (const Group& group : groupEvenly(surface_, leafPoints_, centers, capacity,
-                                            refineEffort(settings_.quality).fit, context_)) {
-        starts.back().push_back({group.fit, 0, {}, 0});
-      }
-    }
-    return starts;
-  }
-
-  [[nodiscard]] Reach reachOfLevels() const {
-    Reach reach;
-    for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
-      const std::size_t first = reach.children.size();
-      reach.children.resize(first + levels_[l].size());
-      for (std::uint32_t n = 0; n < levels_[l + 1].size(); ++n) {
-        reach.children[first + levels_[l + 1][n].parent].push_back(n);
-      }
-    }
-    // Room up to the worst of the level costs nothing where the worst is what counts.
-    const bool room = settings_.objective == Objective::Worst;
-    reach.caps.assign(levels_.size(), room ? 0 : -std::numeric_limits<double>::infinity());
-    for (std::size_t l = 1; room && l < levels_.size(); ++l) {
-      for (const Node& node : levels_[l]) reach.caps[l] = std::max(reach.caps[l], node.fit.standOff());
-    }
-    return reach;
-  }
-
   /// The level as one problem; `pieces` are those of each open node.
   [[nodiscard]] LevelProblem problemOf(std::vector<std::vector<Piece>> pieces) const {
     LevelProblem problem;
@@ -748,17 +556,17 @@ class LevelDriver {
       home.insert(home.end(), pieces[i].size(), i);
       std::move(pieces[i].begin(), pieces[i].end(), std::back_inserter(problem.pieces));
     }
-    const auto reach = std::make_shared<const Reach>(reachOfLevels());
+    const auto ancestry = std::make_shared<const Ancestry>(levels_, settings_.objective);
     problem.allowed.resize(problem.pieces.size());
     medial::parallelFor(problem.pieces.size(), context_, [&](std::size_t i) {
       std::vector<std::uint32_t>& allowed = problem.allowed[i];
-      allowed = holders(problem.pieces[i], *reach);
+      allowed = ancestry->holders(problem.pieces[i]);
       const auto at = std::lower_bound(allowed.begin(), allowed.end(), home[i]);
       if (at == allowed.end() || *at != home[i]) allowed.insert(at, home[i]);
     });
     if (problem.parents > 1) {
-      problem.allowedPart = [this, reach](const Piece& part, const std::vector<std::uint32_t>& whole) {
-        const std::vector<std::uint32_t> result = holders(part, *reach);
+      problem.allowedPart = [ancestry](const Piece& part, const std::vector<std::uint32_t>& whole) {
+        const std::vector<std::uint32_t> result = ancestry->holders(part);
         std::vector<std::uint32_t> both;
         std::set_union(result.begin(), result.end(), whole.begin(), whole.end(), std::back_inserter(both));
         return both;
@@ -767,15 +575,10 @@ class LevelDriver {
     return problem;
   }
 
-  /// The region of a node in pieces that seams can be cut into later.
-  [[nodiscard]] std::vector<Piece> coarsePieces(const OpenNode& node) const {
-    const double radius = expectedRadius(node);
-    return piecesOf(surface_, node.region, kRefineCellSize * radius, kSolidCellSize * radius);
-  }
-
+  /// The regions of all open nodes in pieces that seams can be cut into later.
   [[nodiscard]] std::vector<std::vector<Piece>> coarsePieces() const {
     std::vector<std::vector<Piece>> pieces;
-    for (const OpenNode& node : open_) pieces.push_back(coarsePieces(node));
+    for (const OpenNode& node : open_) pieces.push_back(piecesOf(node, kRefineCellSize));
     return pieces;
   }
 
@@ -783,7 +586,7 @@ class LevelDriver {
   [[nodiscard]] std::vector<std::vector<Piece>> roughPieces(const std::vector<Proposal>& proposals) const {
     std::vector<std::vector<Piece>> pieces;
     for (std::size_t i = 0; i < proposals.size(); ++i) {
-      pieces.push_back(proposals[i].refined ? proposals[i].pieces : coarsePieces(open_[i]));
+      pieces.push_back(proposals[i].refined ? proposals[i].pieces : piecesOf(open_[i], kRefineCellSize));
     }
     return pieces;
   }
@@ -793,7 +596,7 @@ class LevelDriver {
     std::vector<std::vector<Piece>> pieces;
     for (const Proposal& proposal : proposals) pieces.push_back(proposal.pieces);
     LevelProblem problem = problemOf(std::move(pieces));
-    foresee(levels_.size(), problem, kLoadPressures.front());
+    foresight_.weigh(problem, levels_.size(), kLoadPressures.front());
     return refineGiven(problem, ballsOfAll(proposals));
   }
 
@@ -811,7 +614,7 @@ class LevelDriver {
   void refineTogether(std::vector<Proposal>& proposals) {
     const std::vector<LevelBall> given = ballsOfAll(proposals);
     LevelProblem problem = problemOf(isRough() ? roughPieces(proposals) : coarsePieces());
-    foresee(levels_.size(), problem, kLoadPressures.front());
+    foresight_.weigh(problem, levels_.size(), kLoadPressures.front());
     RefinedLevel level = refineGiven(problem, given);
     if (!sketching_ && worstOf(level.balls) > worstOf(given)) level = finePieces(proposals);
     shareAmongParents(std::move(level), proposals);
@@ -891,14 +694,14 @@ class LevelDriver {
       }
     }
     for (std::size_t l = levels_.size() - 1; l-- > 1;) {
-      std::vector<Node>& above = levels_[l];
-      std::vector<Node>& below = levels_[l + 1];
+      std::vector<LevelNode>& above = levels_[l];
+      std::vector<LevelNode>& below = levels_[l + 1];
       std::vector<PointBlock> joined(above.size());
       for (std::size_t i = 0; i < below.size(); ++i) {
         joined[below[i].parent].append(points[i]);
       }
       std::vector<std::uint32_t> number(above.size(), 0);
-      std::vector<Node> kept;
+      std::vector<LevelNode> kept;
       points.clear();
       for (std::size_t i = 0; i < above.size(); ++i) {
         number[i] = static_cast<std::uint32_t>(kept.size());
@@ -906,7 +709,7 @@ class LevelDriver {
         kept.push_back(above[i]);
         points.push_back(std::move(joined[i]));
       }
-      for (Node& node : below) node.parent = number[node.parent];
+      for (LevelNode& node : below) node.parent = number[node.parent];
       above = std::move(kept);
       medial::parallelFor(above.size(), context_, [&](std::size_t i) {
         above[i].fit = fitBall(surface_, points[i], above[i].fit.center, refineEffort(settings_.quality).fit);
@@ -922,10 +725,9 @@ class LevelDriver {
   double goodEnough_;  // mesh units
   bool refine_;
   bool link_;
-  bool sketching_ = false;   // a first, rough tree, to learn where the balls will be needed
-  bool repeated_ = false;    // somewhere the sketch stood a ball for itself on the next level
-  std::vector<Fit> leaves_;  // spread without parents
-  std::vector<PointBlock> leafPoints_;
+  bool sketching_ = false;  // a first, rough tree, to learn where the balls will be needed
+  bool repeated_ = false;   // somewhere the sketch stood a ball for itself on the next level
+  Foresight foresight_;
   std::vector<std::vector<LevelBall>> rivals_;  // all sets proposed for the root
   std::size_t pass_ = 0;
   Stretch stretch_;
