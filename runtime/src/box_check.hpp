@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <string>
 
 #include <spheretree/aabb.hpp>
 #include <spheretree/broad_phase.hpp>
+#include <spheretree/result.hpp>
 
 namespace spheretree::detail {
 
@@ -37,13 +37,7 @@ inline constexpr std::size_t kMaxBodies = std::size_t{1} << 30U;
   return kNoFault;
 }
 
-inline Error faultAt(std::size_t index) {
-  return {ErrorCode::InvalidArgument,
-          "box " + std::to_string(index) + " is not finite, or its minimum exceeds its maximum"};
-}
-
-inline Error tooManyBoxes() {
-  return {ErrorCode::InvalidArgument, "a broad phase takes at most 2^30 boxes"};
-}
+[[nodiscard]] Error faultAt(std::size_t index);
+[[nodiscard]] Error tooManyBoxes();
 
 }  // namespace spheretree::detail

@@ -16,8 +16,8 @@
 //   5. Compact boxes that overlap by more than touching overlap truly; only the few others are looked at.
 //   6. Pairs are brought into order by counting, too.
 //
-// Axes, strips and cells come from a sample of the boxes and are kept until they no longer serve. They decide
-// how long a call takes, never what it finds.
+// Axes, strips and cells come from a sample of the boxes (sweep_fit.cpp) and are kept until they no longer
+// serve. They decide how long a call takes, never what it finds.
 //
 // D. Terdiman's sweep-and-prune notes (2007, 2017) describe the single-axis sweep this grew from.
 
@@ -25,7 +25,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <numeric>
 
@@ -41,19 +40,6 @@ namespace {
 
 using namespace detail;
 
-constexpr std::size_t kMaxSample = 128;  // boxes looked at to choose a layout: some 10 us
-constexpr double kTrimmed = 0.02;  // share of the sample ignored at either end: a few far boxes must not
-                                   // stretch the cells
-constexpr double kMargin = 0.06;   // room added to what the sample spans, as a share of it
-
-// More strips mean fewer tests along them, and more boxes that reach into a second strip, each of which costs
-// as much as about 30 tests. The optimum is flat; measured.
-constexpr double kTestsPerCrossing = 30;
-constexpr double kMostCrossings = 0.5;  // per box, expected
-constexpr std::uint32_t kMaxStrips = 1024;
-constexpr std::size_t kLeastBoxesPerStrip = 24;
-constexpr std::size_t kBoxesPerCell = 2;  // finer cells cost more to sum than they save tests
-
 // A layout no longer serves when ...
 constexpr double kCountRatio = 1.5;     // the number of boxes changed by this factor
 constexpr double kCostRatio = 1.3;      // a call takes this many more tests per box than after fitting
@@ -62,46 +48,9 @@ constexpr std::uint32_t kCrowd = 64;    // a cell holds this many more than four
 constexpr double kWaste = 40;           // tests per record that no found pair explains: try now and then
 constexpr std::size_t kRetryAfter = 8;  // calls
 
-// Points overlap nothing, and boxes that all overlap, everything; some number keeps quotients finite.
-constexpr double kLeastShare = 1e-9;
-constexpr double kMostShare = 1e9;
-
 // Boxes become records in about the order the records will have, so that writing them runs through memory.
 // Any order is right; one that is this many calls old still saves nearly as much as a new one.
 constexpr std::size_t kRenewOrderAfter = 16;
-
-/// What a sample of boxes says about one axis, in world units.
-struct AxisUse {
-  double low = 0;
-  double high = 0;
-  double share = 1;  // of the others that a box overlaps along this axis, expected, when evenly spread
-
-  AxisUse() = default;
-  AxisUse(std::span<float> mins, std::span<float> maxs) noexcept;
-};
-
-AxisUse::AxisUse(std::span<float> mins, std::span<float> maxs) noexcept {
-  double extent = 0;
-  for (std::size_t i = 0; i < mins.size(); ++i)
-    extent += static_cast<double>(maxs[i]) - static_cast<double>(mins[i]);
-  extent /= static_cast<double>(mins.size());
-  const auto trimmed = static_cast<std::ptrdiff_t>(kTrimmed * static_cast<double>(mins.size()));
-  std::nth_element(mins.begin(), mins.begin() + trimmed, mins.end());
-  std::nth_element(maxs.begin(), maxs.end() - 1 - trimmed, maxs.end());
-  low = static_cast<double>(*(mins.begin() + trimmed));
-  high = std::max(static_cast<double>(*(maxs.end() - 1 - trimmed)), low);
-  const double span = high - low;
-  share = span > extent ? std::max(extent / (span - extent), kLeastShare) : kMostShare;
-  low -= kMargin * span;
-  high += kMargin * span;
-}
-
-/// From world units to compact steps; finite and positive for every pair of finite limits.
-float stepsPerUnit(const AxisUse& axis) noexcept {
-  constexpr double kLeastSpan = 1e-30;  // keeps the quotient a finite float
-  const double span = std::max({axis.high - axis.low, kLeastSpan, 1e-6 * std::abs(axis.low)});
-  return static_cast<float>(kMaxCoordinate / span);
-}
 
 /// Three neighbouring coordinates as lanes. Reads a fourth one.
 std::uint64_t lanesAt(const std::uint16_t* coordinates) noexcept {
@@ -128,49 +77,6 @@ bool Sweep::fitServes(std::size_t count) const noexcept {
   if (now > kCountRatio * then || then > kCountRatio * now) return false;
   if (wasteful_ && callsSinceFit_ >= kRetryAfter) return false;
   return cost_ <= kCostRatio * fittedCost_ + kCostSlack;
-}
-
-void Sweep::fit(std::span<const Aabb> boxes) noexcept {
-  std::array<std::array<float, kMaxSample>, 3> mins;
-  std::array<std::array<float, kMaxSample>, 3> maxs;
-  std::size_t sampled = 0;
-  const std::size_t stride = std::max<std::size_t>(1, (boxes.size() + kMaxSample - 1) / kMaxSample);
-  for (std::size_t i = 0; i < boxes.size(); i += stride) {
-    const Aabb& box = boxes[i];
-    if (!isWellFormed(box)) continue;
-    mins[0][sampled] = box.min.x;
-    mins[1][sampled] = box.min.y;
-    mins[2][sampled] = box.min.z;
-    maxs[0][sampled] = box.max.x;
-    maxs[1][sampled] = box.max.y;
-    maxs[2][sampled] = box.max.z;
-    ++sampled;
-  }
-  fittedCount_ = boxes.size();
-  callsSinceFit_ = 0;
-  layout_ = {};
-  if (sampled == 0) return;
-
-  std::array<AxisUse, 3> axes;
-  for (std::size_t k = 0; k < 3; ++k) {
-    axes[k] = AxisUse(std::span(mins[k]).first(sampled), std::span(maxs[k]).first(sampled));
-    layout_.origin[k] = static_cast<float>(axes[k].low);
-    layout_.scale[k] = stepsPerUnit(axes[k]);
-  }
-  std::array<unsigned, 3> byUse{0, 1, 2};
-  std::sort(byUse.begin(), byUse.end(),
-            [&](unsigned a, unsigned b) { return axes[a].share < axes[b].share; });
-  layout_.sweepAxis = byUse[0];
-  layout_.stripAxis = byUse[1];
-
-  const auto count = static_cast<double>(boxes.size());
-  const double along = count * std::min(axes[byUse[0]].share, 1.0);  // boxes met per box without strips
-  const double across = axes[byUse[1]].share;
-  const double strips = std::min({std::sqrt(along / (kTestsPerCrossing * across)), kMostCrossings / across,
-                                  count / static_cast<double>(kLeastBoxesPerStrip)});
-  layout_.strips = static_cast<std::uint32_t>(std::clamp(strips, 1.0, static_cast<double>(kMaxStrips)));
-  layout_.cells = std::clamp(static_cast<std::uint32_t>(boxes.size() / kBoxesPerCell) / layout_.strips, 1U,
-                             kMaxCoordinate);
 }
 
 /// Steps 1 and 2: fills the lists of records and their cells. Returns the first malformed box, or kNoFault.

@@ -481,10 +481,56 @@ class Ends {
 // And all of them.
 #include "sweep_strip.inl"
 
+/// Finds the cells of eight boxes whose coordinates fill three registers.
+class HomeFinder {
+ public:
+  SPHERETREE_PATH explicit HomeFinder(const SweepLayout& layout) noexcept
+      : fromFirst_(places(layout, 0)),
+        fromSecond_(places(layout, 1)),
+        // The upper half of the product with twice the parts: partOf() in one multiplication.
+        parts_(bothHalves(2 * layout.cells, 2 * layout.strips)),
+        weights_(bothHalves(1, layout.cells)) {}
+
+  SPHERETREE_PATH __m256i operator()(const __m256i* coordinates) const noexcept {
+    // A box has three pairs of coordinates, the minima in the first two. The first ones of eight boxes stand
+    // at eight different places of their registers, so blending brings them together, in another order.
+    const __m256i first = _mm256_blend_epi32(_mm256_blend_epi32(coordinates[0], coordinates[1], 0b10010010),
+                                             coordinates[2], 0b00100100);
+    const __m256i second = _mm256_blend_epi32(_mm256_blend_epi32(coordinates[0], coordinates[1], 0b00100100),
+                                              coordinates[2], 0b01001001);
+    const __m256i firsts = _mm256_permutevar8x32_epi32(first, _mm256_setr_epi32(0, 3, 6, 1, 4, 7, 2, 5));
+    const __m256i seconds = _mm256_permutevar8x32_epi32(second, _mm256_setr_epi32(1, 4, 7, 2, 5, 0, 3, 6));
+    const __m256i both =
+        _mm256_or_si256(_mm256_shuffle_epi8(firsts, fromFirst_), _mm256_shuffle_epi8(seconds, fromSecond_));
+    return _mm256_madd_epi16(_mm256_mulhi_epu16(both, parts_), weights_);
+  }
+
+ private:
+  SPHERETREE_PATH static __m256i bothHalves(std::uint32_t lower, std::uint32_t upper) noexcept {
+    return _mm256_set1_epi32(static_cast<int>(lower | upper << kLaneBits));
+  }
+  /// Bytes that bring the coordinates along the two axes into the halves of a double word, from pair `pair`.
+  SPHERETREE_PATH static __m256i places(const SweepLayout& layout, unsigned pair) noexcept {
+    constexpr std::uint32_t kNothing = 0x8080;
+    const auto half = [pair](unsigned axis) {
+      return axis / 2 != pair ? kNothing : axis % 2 == 0 ? 0x0100U : 0x0302U;
+    };
+    const __m256i ofBox =
+        _mm256_setr_epi32(0, 0x04040404, 0x08080808, 0x0c0c0c0c, 0, 0x04040404, 0x08080808, 0x0c0c0c0c);
+    return _mm256_or_si256(bothHalves(half(layout.sweepAxis), half(layout.stripAxis)), ofBox);
+  }
+
+  __m256i fromFirst_;
+  __m256i fromSecond_;
+  __m256i parts_;
+  __m256i weights_;
+};
+
 SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const SweepLayout& layout,
                                          std::uint16_t* coordinates, std::uint32_t* homes) {
   constexpr std::size_t kBoxes = 8;  // 48 floats: six registers, three of results
   const LanePattern<24> lanes(layout);
+  const HomeFinder homesOf(layout);
   const __m256 highest = _mm256_set1_ps(kHighestCoordinate);
   __m256 origin[3];
   __m256 scale[3];
@@ -516,13 +562,14 @@ SPHERETREE_PATH std::size_t compactBoxes(std::span<const Aabb> boxes, const Swee
       continue;
     }
     constexpr int kInOrder = 0b11011000;  // packing interleaves the two halves of its arguments
+    __m256i packed[3];
 #pragma GCC unroll 8
     for (std::size_t k = 0; k < 3; ++k) {
-      const __m256i packed = _mm256_packus_epi32(steps[2 * k], steps[2 * k + 1]);
+      packed[k] = _mm256_permute4x64_epi64(_mm256_packus_epi32(steps[2 * k], steps[2 * k + 1]), kInOrder);
       _mm256_storeu_si256(reinterpret_cast<__m256i*>(coordinates + kCoordinatesPerBox * i + 16 * k),
-                          _mm256_permute4x64_epi64(packed, kInOrder));
+                          packed[k]);
     }
-    sse2::findHomes(layout, coordinates, i, i + kBoxes, homes);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(homes + i), homesOf(packed));
   }
   return compactOneByOne(boxes, grouped, boxes.size(), layout, coordinates, homes);
 }

@@ -25,6 +25,11 @@ inline constexpr std::uint64_t kSpareBits = 0x0000'8000'8000'8000U;
 inline constexpr unsigned kNumberLane = 48;  // where a record keeps half of its body's number
 inline constexpr std::size_t kCoordinatesPerBox = 6;
 
+/// A layout has no more strips, and none for fewer boxes.
+inline constexpr std::uint32_t kMaxStrips = 1024;
+inline constexpr std::size_t kLeastBoxesPerStrip = 24;
+inline constexpr std::size_t kBoxesPerCell = 2;  // finer cells cost more to sum than they save tests
+
 /// Most records tested in one step.
 inline constexpr std::size_t kMostLanes = 8;
 

@@ -95,6 +95,10 @@ class CollisionWorld {
   /// the more relevant of the two.
   void setRelevance(std::uint32_t body, float relevance) noexcept { relevances_[body] = relevance; }
 
+  /// A hint for loops over contacts: place and velocity of the body will be asked for in a moment. Bodies of
+  /// a large world lie far apart in memory.
+  void expect(std::uint32_t body) const noexcept;
+
   /// The box that the broad phase sees: holds the body, rounding included. As of the last step or setPose.
   [[nodiscard]] const Aabb& box(std::uint32_t body) const noexcept { return boxes_[body]; }
 
@@ -153,5 +157,14 @@ class CollisionWorld {
   std::unique_ptr<detail::WorkerPool> pool_;
   StepTimes times_;
 };
+
+inline void CollisionWorld::expect(std::uint32_t body) const noexcept {
+#if defined(__GNUC__)
+  __builtin_prefetch(&places_[body]);
+  __builtin_prefetch(&velocities_[body]);
+#else
+  static_cast<void>(body);
+#endif
+}
 
 }  // namespace spheretree
