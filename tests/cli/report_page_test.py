@@ -292,6 +292,12 @@ class Pages(unittest.TestCase):
         names = lambda: [row.find_element(By.TAG_NAME, "th").text for row in
                          self.driver.find_elements(By.CSS_SELECTOR, "#assets tbody tr") if row.is_displayed()]
         self.assertEqual(len(names()), 3)
+        for width in (700, 900, 1100, 1400):
+            self.driver.set_window_size(width, 1000)
+            self.settle()
+            self.assertEqual(self.driver.execute_script(
+                "return [...document.querySelectorAll('.scroll')].map((one) => Math.max(one.scrollWidth - one.clientWidth, 0))"),
+                [0, 0], f"cut at {width} pixels")
         self.driver.find_element(By.XPATH, "//table[@id='assets']//button[text()='triangles']").click()
         rising = [name for name in names() if "broken" not in name]
         self.assertIn("more", rising[0])
