@@ -56,6 +56,8 @@ constexpr std::size_t kUsualBalls = 200;  // when nobody says how many are wante
 // better than the best ball for each single cell, and sets often stick out less than the goal.
 constexpr double kGapStandOff = 0.3;
 constexpr std::uint32_t kCancelStep = 64;
+// Far above the relative rounding of distances, far below that of rough ones.
+constexpr double kRounding = 1e-9;
 
 using SiteKey = std::array<std::uint32_t, 4>;
 
@@ -256,8 +258,11 @@ class Refiner {
     const double radius = frame_.scale * ball->radius;
     if (!surface_.bounds().contains(center) || !reach_.within(center, radius + slack_)) return;
     if (!surface_.inside(center)) return;
-    const ClosestPoint nearest = surface_.closestPoint(center);
+    ClosestPoint nearest = surface_.roughlyClosestPoint(center);
     // Sites are on the surface, so the surface cannot be farther than the nearest of them.
+    const SurfaceSample& site = sites_[key[0]];
+    const double toSite = (site.point - center).norm();
+    if (toSite < nearest.distance * (1 - kRounding)) nearest = {site.point, toSite, site.triangle};
     if (!(nearest.distance > 0) || nearest.distance > radius * (1 + kCircumsphere)) return;
     candidate = {{{center, radius}, nearest.distance}, nearest};
   }

@@ -82,6 +82,10 @@ ClosestPoint Surface::closestPoint(const Eigen::Vector3d& point) const {
   return impl_->bvh.closestPoint(point);
 }
 
+ClosestPoint Surface::roughlyClosestPoint(const Eigen::Vector3d& point) const {
+  return impl_->bvh.roughlyClosestPoint(point);
+}
+
 double Surface::depth(const Eigen::Vector3d& point) const {
   const double distance = impl_->bvh.closestPoint(point).distance;
   return inside(point) ? distance : -distance;

@@ -45,8 +45,12 @@ class Surface {
   [[nodiscard]] double volume() const noexcept;  ///< signedVolumeOf(mesh())
   [[nodiscard]] double area() const noexcept;
 
-  /// The closest point of the surface. Expected O(log n).
+  /// The closest point of the surface. Expected O(log n), but O(n) from the middle of a ball.
   [[nodiscard]] ClosestPoint closestPoint(const Eigen::Vector3d& point) const;
+
+  /// A point of the surface that is the closest one unless thousands of triangles compete for that, and then
+  /// at most a thousandth farther. O(log n) on a ball, from the middle of it. Proves nothing.
+  [[nodiscard]] ClosestPoint roughlyClosestPoint(const Eigen::Vector3d& point) const;
 
   /// Distance to the surface; positive inside, negative outside.
   [[nodiscard]] double depth(const Eigen::Vector3d& point) const;

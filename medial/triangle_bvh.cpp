@@ -461,6 +461,7 @@ struct TriangleBvh::Kernels {
     store(out, inPrism ? height * height : nearest);
   }
 
+  template <bool kExact>
   static SPHERETREE_INLINE std::uint32_t closestTriangle(const TriangleBvh& bvh, const Vector3d& point,
                                                          Vector3d& closest) {
     struct Entry {
@@ -471,12 +472,17 @@ struct TriangleBvh::Kernels {
     std::size_t size = 0;
     stack[size++] = {0, 0};
     double best = kInfinity;
+    std::uint32_t visited = 0;  // packets
+    double share = 1;           // of `best`: what is farther cannot matter
     std::uint32_t bestTriangle = std::numeric_limits<std::uint32_t>::max();
     const Packet* bestPacket = nullptr;
     std::size_t bestLane = 0;
     while (size > 0) {
       const Entry entry = stack[--size];
-      if (entry.distance > best) continue;
+      if (entry.distance > share * best) continue;
+      if constexpr (!kExact) {
+        if (visited > kManyPackets) share = 1 / (kRough * kRough);
+      }
       const Node& node = bvh.nodes_[entry.node];
       Wide distance;
       lowerBounds(node, point, distance);
@@ -489,8 +495,9 @@ struct TriangleBvh::Kernels {
       // This node's own triangles before any farther node, so that what they find prunes the others.
       for (std::size_t k = kWidth; k-- > 0;) {
         const std::uint32_t s = slot[k];
-        if (node.count[s] == 0 || distance[s] > best) continue;
+        if (node.count[s] == 0 || distance[s] > share * best) continue;
         const Packet& packet = bvh.packets_[node.child[s]];
+        if constexpr (!kExact) ++visited;
         Wide squared;
         triangleDistances(packet, point, squared);
         for (std::size_t lane = 0; lane < kWidth; ++lane) {
@@ -503,7 +510,7 @@ struct TriangleBvh::Kernels {
         }
       }
       for (const std::uint32_t s : slot) {
-        if (node.count[s] != 0 || !(distance[s] <= best) || distance[s] == kInfinity) continue;
+        if (node.count[s] != 0 || !(distance[s] <= share * best) || distance[s] == kInfinity) continue;
         stack[size++] = {distance[s], node.child[s]};
       }
     }
@@ -515,31 +522,40 @@ struct TriangleBvh::Kernels {
     return bestTriangle;
   }
 
+  template <bool kExact>
   static std::uint32_t baseline(const TriangleBvh& bvh, const Vector3d& point, Vector3d& closest) {
-    return closestTriangle(bvh, point, closest);
+    return closestTriangle<kExact>(bvh, point, closest);
   }
 #if defined(__x86_64__)
+  template <bool kExact>
   __attribute__((target("avx2"))) static std::uint32_t avx2(const TriangleBvh& bvh, const Vector3d& point,
                                                             Vector3d& closest) {
-    return closestTriangle(bvh, point, closest);
+    return closestTriangle<kExact>(bvh, point, closest);
   }
 #endif
 
   using Function = std::uint32_t (*)(const TriangleBvh&, const Vector3d&, Vector3d&);
-  static Function choose() {
+  template <bool kExact>
+  static ClosestPoint search(const TriangleBvh& bvh, const Vector3d& point) {
+    static const Function kernel = [] {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return &avx2;
+      if (__builtin_cpu_supports("avx2")) return &avx2<kExact>;
 #endif
-    return &baseline;
+      return &baseline<kExact>;
+    }();
+    ClosestPoint closest;
+    closest.triangle = kernel(bvh, point, closest.point);
+    closest.distance = (closest.point - point).norm();
+    return closest;
   }
 };
 
 ClosestPoint TriangleBvh::closestPoint(const Vector3d& point) const {
-  static const Kernels::Function kernel = Kernels::choose();
-  ClosestPoint closest;
-  closest.triangle = kernel(*this, point, closest.point);
-  closest.distance = (closest.point - point).norm();
-  return closest;
+  return Kernels::search<true>(*this, point);
+}
+
+ClosestPoint TriangleBvh::roughlyClosestPoint(const Vector3d& point) const {
+  return Kernels::search<false>(*this, point);
 }
 
 int TriangleBvh::windingNumber(const Vector3d& point) const {

@@ -281,7 +281,8 @@
     at("controls").hidden = true;
   }
   if (view) choose = withView(view, rows);
-  plots();
+  plots();  // while the picture is drawn
   Page.followColours();
-  Page.ready();
+  if (view) view.whenSeen(Page.ready);
+  else Page.ready();
 })();

@@ -42,16 +42,26 @@ const kFragment = `
     vec3 lit = vTint * (0.42 + 0.62 * key) + 0.16 * rim;
     gl_FragColor = vec4(lit, min(1.0, opacity * (0.85 + 0.5 * rim)));
   }`;
+// The part of a ball that can be seen: a dome that faces the eye and ends at the outline. `position` holds the
+// cosine and sine of the place around it, and how far from the middle to the rim it is.
 const kBallVertex = kVertexHead + `
   attribute vec4 ball;
   attribute vec3 tint;
+  uniform float grow;
   varying vec3 vTint;
   void main() {
-    vec4 p = modelViewMatrix * vec4(position * ball.w + ball.xyz, 1.0);
-    vNormal = normalMatrix * normalize(position);
-    vView = -p.xyz;
+    vec3 centre = (modelViewMatrix * vec4(ball.xyz, 1.0)).xyz;
+    float away = length(centre);
+    vec3 forth = -centre / away;
+    vec3 right = normalize(cross(abs(forth.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), forth));
+    vec3 up = cross(forth, right);
+    float angle = position.z * acos(min(ball.w / away, 1.0));
+    vNormal = cos(angle) * forth + sin(angle) * (position.x * right + position.y * up);
+    vec3 p = centre + ball.w * grow * vNormal;
+    vView = -p;
     vTint = tint;
-    gl_Position = projectionMatrix * p;
+    // From inside there is nothing to see.
+    gl_Position = away > ball.w ? projectionMatrix * vec4(p, 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
   }`;
 const kMeshVertex = kVertexHead + `
   uniform vec3 tint;
@@ -64,6 +74,28 @@ const kMeshVertex = kVertexHead + `
     gl_Position = projectionMatrix * p;
   }`;
 
+const kRingVertex = "void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }";
+const kRingFragment = "uniform vec3 tint; void main() { gl_FragColor = vec4(tint, 1.0); }";
+
+/** A dome (see kBallVertex) of so many sectors and rings. */
+function domeGeometry(sectors, rings) {
+  const places = [0, 0, 0];
+  const corners = [];
+  for (let ring = 1; ring <= rings; ++ring) {
+    for (let sector = 0; sector < sectors; ++sector) {
+      const around = 2 * Math.PI * sector / sectors;
+      places.push(Math.cos(around), Math.sin(around), ring / rings);
+      const [here, next] = [sector, (sector + 1) % sectors].map((k) => 1 + (ring - 1) * sectors + k);
+      if (ring === 1) corners.push(0, here, next);
+      else corners.push(here - sectors, here, next, here - sectors, next, next - sectors);
+    }
+  }
+  const geometry = new THREE.InstancedBufferGeometry();
+  geometry.setIndex(corners);
+  geometry.setAttribute("position", new THREE.Float32BufferAttribute(places, 3));
+  return geometry;
+}
+
 class TreeView {
   /** `view` is the page's data (docs/reports.md); `onPick(place)` is told which ball was clicked, or -1. */
   constructor(box, view, onPick) {
@@ -74,11 +106,15 @@ class TreeView {
     this.levels = view.levels.map((level) => this.readLevel(level));
     this.level = 0;
     this.selected = -1;
-    this.renderer = new THREE.WebGLRenderer({antialias: true, alpha: true, preserveDrawingBuffer: true});
+    this.canvas = document.createElement("canvas");
+    this.canvas.setAttribute("aria-hidden", "true");
+    const wishes = {alpha: true, antialias: true, preserveDrawingBuffer: true};
+    // Version 2 needs no extensions, each of which is a wait for the graphics process.
+    const context = this.canvas.getContext("webgl2", wishes) || undefined;
+    this.renderer = new THREE.WebGLRenderer({...wishes, canvas: this.canvas, context});
+    this.renderer.debug.checkShaderErrors = false;  // and so is each question how compiling went
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setClearColor(0x000000, 0);
-    this.canvas = this.renderer.domElement;
-    this.canvas.setAttribute("aria-hidden", "true");
     box.prepend(this.canvas);
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
     this.scene = new THREE.Scene();
@@ -128,7 +164,7 @@ class TreeView {
   }
 
   addBalls() {
-    this.ballUniforms = {opacity: {value: 1}};
+    this.ballUniforms = {opacity: {value: 1}, grow: {value: 1}};
     this.balls = null;
   }
 
@@ -151,7 +187,9 @@ class TreeView {
   addRing(order) {
     const ring = new THREE.Mesh(
       new THREE.RingBufferGeometry(0.985, 1.035, 96),
-      new THREE.MeshBasicMaterial({depthTest: false, depthWrite: false, transparent: true}));
+      new THREE.ShaderMaterial({
+        vertexShader: kRingVertex, fragmentShader: kRingFragment, uniforms: {tint: {value: new THREE.Color()}},
+        depthTest: false, depthWrite: false, transparent: true}));
     ring.renderOrder = order;
     ring.visible = false;
     this.scene.add(ring);
@@ -168,12 +206,11 @@ class TreeView {
       for (const object of this.balls.children) object.material.dispose();
     }
     // Few balls are large on the screen and want to look round; many are small.
-    const slices = level.count <= 100 ? 64 : level.count <= 1000 ? 32 : 16;
-    const geometry = new THREE.InstancedBufferGeometry();
+    const [sectors, rings] =
+      level.count <= 16 ? [64, 24] : level.count <= 100 ? [64, 12] : level.count <= 1000 ? [32, 7] : [16, 4];
+    const geometry = domeGeometry(sectors, rings);
     // Around the ball, not in it: what the ball holds must not look out between the corners.
-    const sphere = new THREE.SphereBufferGeometry(1 / Math.cos(Math.PI / slices), slices, slices / 2);
-    geometry.setIndex(sphere.index);
-    geometry.setAttribute("position", sphere.attributes.position);
+    this.ballUniforms.grow.value = 1 / (Math.cos(Math.PI / sectors) * Math.cos(Math.PI / 4 / rings));
     geometry.setAttribute("ball", new THREE.InstancedBufferAttribute(level.balls, 4));
     this.tints = new THREE.InstancedBufferAttribute(new Float32Array(3 * level.count), 3);
     geometry.setAttribute("tint", this.tints);
@@ -203,8 +240,8 @@ class TreeView {
   }
 
   setMarks(worstColour, ringColour) {
-    this.worstRing.material.color.set(worstColour);
-    this.ring.material.color.set(ringColour);
+    this.worstRing.material.uniforms.tint.value.set(worstColour);
+    this.ring.material.uniforms.tint.value.set(ringColour);
     this.draw();
   }
 
@@ -321,6 +358,8 @@ class TreeView {
   resize() {
     const {clientWidth, clientHeight} = this.box;
     if (clientWidth === 0 || clientHeight === 0) return;
+    if (clientWidth === this.width && clientHeight === this.height) return;
+    [this.width, this.height] = [clientWidth, clientHeight];
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.fov = clientWidth < clientHeight ? 32 * clientHeight / clientWidth : 32;
@@ -330,22 +369,34 @@ class TreeView {
 
   /** As soon as the browser draws anyway. */
   draw() {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.render();
-    });
+    if (!this.waiting) this.waiting = requestAnimationFrame(() => this.render());
   }
 
   render() {
-    if (!this.balls) return;
+    if (this.waiting) cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    if (!this.balls || !this.width) return;
     this.placeCamera();
     const level = this.levels[this.level];
     this.placeRing(this.worstRing, level.worst);
     this.placeRing(this.ring, this.selected === level.worst ? -1 : this.selected);
     this.renderer.render(this.scene, this.camera);
     if (this.onDrawn) this.onDrawn();
+  }
+
+  /** Calls back when what was drawn is finished, not only asked for, and the browser has shown it. */
+  whenSeen(callback) {
+    const gl = this.renderer.getContext();
+    const fence = gl.fenceSync ? gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) : null;
+    gl.flush();
+    const look = () => {
+      if (fence && !gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) {
+        setTimeout(look, 10);
+      } else {
+        requestAnimationFrame(() => requestAnimationFrame(callback));
+      }
+    };
+    setTimeout(look);
   }
 
   placeRing(ring, place) {

@@ -20,8 +20,9 @@ from selenium.webdriver.common.keys import Keys
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 WORK = pathlib.Path(sys.argv[2]).resolve()
-# A page is to be usable within 2 s. That is of the processor's time: the machine may be busy with other things.
+# A page is to be usable within 2 s. The machine may be busy with other things: one of so many loads has to be so fast.
 MOST_SECONDS = 2
+LOADS = 10
 MOST_BYTES = 3_000_000
 
 
@@ -51,9 +52,10 @@ def run(*arguments, codes=(0,)):
 def browser():
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium")
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
-                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--window-size=1280,2200",
-                     "--hide-scrollbars"):
+    # WebGL without a graphics card. Not forced upon the rest of the browser (--use-angle=swiftshader
+    # --ignore-gpu-blocklist): that would draw the text of the page by emulated shaders too, several times slower.
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--enable-unsafe-swiftshader",
+                     "--window-size=1280,2200", "--hide-scrollbars"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     service = webdriver.chrome.service.Service(shutil.which("chromedriver"))
@@ -88,6 +90,10 @@ class Pages(unittest.TestCase):
         self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
             "media": "", "features": [{"name": "prefers-color-scheme", "value": scheme}]})
         self.driver.get((WORK / name).as_uri())
+        self.driver.execute_async_script("""
+            const done = arguments[0];
+            const look = () => document.documentElement.dataset.interactiveMs ? done() : setTimeout(look, 10);
+            look();""")
         self.settle()
 
     def settle(self):
@@ -147,13 +153,17 @@ class Pages(unittest.TestCase):
     def test_opens_quickly_and_is_small(self):
         self.driver.execute_cdp_cmd("Performance.enable", {"timeDomain": "threadTicks"})
         walls, spents = [], []
-        for _ in range(3):
+        for _ in range(LOADS):
+            self.driver.get("about:blank")  # the page before is gone
             before = self.processor_seconds()
             self.open("torus.html")
             walls.append(int(self.driver.execute_script("return document.documentElement.dataset.interactiveMs")))
             spents.append(self.processor_seconds() - before)
+            if len(walls) >= 3 and min(walls) < 1000 * MOST_SECONDS:
+                break
         size = (WORK / "torus.html").stat().st_size
         print(f"interactive after {min(walls)} ms (of {walls}), {min(spents):.2f} s of processor time, {size / 1e6:.2f} MB")
+        self.assertLess(min(walls), 1000 * MOST_SECONDS)
         self.assertLess(min(spents), MOST_SECONDS)
         self.assertLess(size, MOST_BYTES)
         self.assert_sound()
@@ -282,6 +292,12 @@ class Pages(unittest.TestCase):
         names = lambda: [row.find_element(By.TAG_NAME, "th").text for row in
                          self.driver.find_elements(By.CSS_SELECTOR, "#assets tbody tr") if row.is_displayed()]
         self.assertEqual(len(names()), 3)
+        for width in (700, 900, 1100, 1400):
+            self.driver.set_window_size(width, 1000)
+            self.settle()
+            self.assertEqual(self.driver.execute_script(
+                "return [...document.querySelectorAll('.scroll')].map((one) => Math.max(one.scrollWidth - one.clientWidth, 0))"),
+                [0, 0], f"cut at {width} pixels")
         self.driver.find_element(By.XPATH, "//table[@id='assets']//button[text()='triangles']").click()
         rising = [name for name in names() if "broken" not in name]
         self.assertIn("more", rising[0])

@@ -75,6 +75,29 @@ TEST(Surface, AgreesWithBruteForce) {
   }
 }
 
+TEST(Surface, RoughDistancesAreExactButInTheMiddleOfABall) {
+  constexpr std::uint64_t kSeed = 20261127;
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  Random random(kSeed);
+  // More than four triangles for each of the leaves that may be looked into.
+  const Surface ball = surfaceOf(models::makeBall(1, 5));
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d p = randomIn(random, ball.bounds(), 0.3);
+    const ClosestPoint exact = ball.closestPoint(p);
+    const ClosestPoint rough = ball.roughlyClosestPoint(p);
+    if (p.norm() > 0.2) {
+      ASSERT_EQ(rough.distance, exact.distance) << p.transpose();
+      ASSERT_EQ(rough.triangle, exact.triangle) << p.transpose();
+    }
+    const Vector3d nearMiddle = 1e-5 * p;
+    const double least = ball.closestPoint(nearMiddle).distance;
+    const ClosestPoint near = ball.roughlyClosestPoint(nearMiddle);
+    ASSERT_GE(near.distance, least);
+    ASSERT_LE(near.distance, 1.001 * least);
+    ASSERT_NEAR(test::naive::distance(near.point, ball.mesh()), 0, 1e-12);
+  }
+}
+
 TEST(Surface, RaysThroughVerticesAndEdgesAreCountedOnce) {
   // Query points straight below the vertices, edge midpoints and face centres of an icosphere.
   const Surface ball = surfaceOf(models::makeBall(1, 2));
