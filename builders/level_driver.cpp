@@ -497,14 +497,13 @@ class LevelDriver {
   }
 
   /// The reducers' own sets are what refinement must beat; crowding may be given too much for that.
-  [[nodiscard]] RefinedLevel refineGiven(const LevelProblem& problem,
-                                         const std::vector<LevelBall>& balls) const {
+  [[nodiscard]] RefinedLevel refineGiven(LevelProblem problem, const std::vector<LevelBall>& balls) const {
     const RefineRequest request = requestFor(settings_.seed + nodesSoFar_ + pass_);
+    if (problem.loads.empty()) return refined(std::move(problem), balls, request);
     RefinedLevel level = refined(problem, balls, request);
-    if (problem.loads.empty() || comesWithin(worstOf(balls), level, request)) return level;
-    LevelProblem plain = problem;
-    plain.loads.clear();
-    return refined(std::move(plain), balls, request);
+    if (comesWithin(worstOf(balls), level, request)) return level;
+    problem.loads.clear();
+    return refined(std::move(problem), balls, request);
   }
 
   /// First levels that all stick out little, those that promise most for all levels together first.
@@ -518,12 +517,14 @@ class LevelDriver {
     for (std::vector<LevelBall>& even : foresight_.evenSets(balls, buildEffort(settings_.quality).starts)) {
       starts.push_back(std::move(even));
     }
-    std::vector<RefinedLevel> all;
-    for (std::size_t k = 0; k < buildEffort(settings_.quality).pressures; ++k) {
+    const std::size_t pressures = buildEffort(settings_.quality).pressures;
+    std::vector<RefinedLevel> all(pressures * starts.size());
+    // Few balls leave threads idle, so levels go side by side.
+    medial::parallelFor(all.size(), context_, [&](std::size_t i) {
       LevelProblem pressed = problem;
-      foresight_.weigh(pressed, 1, kLoadPressures[k]);
-      for (const std::vector<LevelBall>& start : starts) all.push_back(refined(pressed, start, request));
-    }
+      foresight_.weigh(pressed, 1, kLoadPressures[i / starts.size()]);
+      all[i] = refined(std::move(pressed), starts[i % starts.size()], request);
+    });
     const auto promising = [](const RefinedLevel& a, const RefinedLevel& b) {
       return a.prospect < b.prospect;
     };
@@ -577,17 +578,18 @@ class LevelDriver {
 
   /// The regions of all open nodes in pieces that seams can be cut into later.
   [[nodiscard]] std::vector<std::vector<Piece>> coarsePieces() const {
-    std::vector<std::vector<Piece>> pieces;
-    for (const OpenNode& node : open_) pieces.push_back(piecesOf(node, kRefineCellSize));
+    std::vector<std::vector<Piece>> pieces(open_.size());
+    medial::parallelFor(open_.size(), context_,
+                        [&](std::size_t i) { pieces[i] = piecesOf(open_[i], kRefineCellSize); });
     return pieces;
   }
 
-  /// The same, of which rough sets have most already.
-  [[nodiscard]] std::vector<std::vector<Piece>> roughPieces(const std::vector<Proposal>& proposals) const {
-    std::vector<std::vector<Piece>> pieces;
-    for (std::size_t i = 0; i < proposals.size(); ++i) {
-      pieces.push_back(proposals[i].refined ? proposals[i].pieces : piecesOf(open_[i], kRefineCellSize));
-    }
+  /// The same, of which rough sets have most already; takes them out of the proposals.
+  [[nodiscard]] std::vector<std::vector<Piece>> roughPieces(std::vector<Proposal>& proposals) const {
+    std::vector<std::vector<Piece>> pieces(proposals.size());
+    medial::parallelFor(proposals.size(), context_, [&](std::size_t i) {
+      pieces[i] = proposals[i].refined ? std::move(proposals[i].pieces) : piecesOf(open_[i], kRefineCellSize);
+    });
     return pieces;
   }
 
@@ -597,7 +599,7 @@ class LevelDriver {
     for (const Proposal& proposal : proposals) pieces.push_back(proposal.pieces);
     LevelProblem problem = problemOf(std::move(pieces));
     foresight_.weigh(problem, levels_.size(), kLoadPressures.front());
-    return refineGiven(problem, ballsOfAll(proposals));
+    return refineGiven(std::move(problem), ballsOfAll(proposals));
   }
 
   static std::vector<LevelBall> ballsOfAll(const std::vector<Proposal>& proposals) {
@@ -615,8 +617,9 @@ class LevelDriver {
     const std::vector<LevelBall> given = ballsOfAll(proposals);
     LevelProblem problem = problemOf(isRough() ? roughPieces(proposals) : coarsePieces());
     foresight_.weigh(problem, levels_.size(), kLoadPressures.front());
-    RefinedLevel level = refineGiven(problem, given);
-    if (!sketching_ && worstOf(level.balls) > worstOf(given)) level = finePieces(proposals);
+    RefinedLevel level = refineGiven(std::move(problem), given);
+    const bool worse = worstOf(level.balls) > worstOf(given);
+    if (worse && !isRough() && !sketching_) level = finePieces(proposals);
     shareAmongParents(std::move(level), proposals);
   }
 

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -211,6 +212,12 @@ class LevelRefiner {
     return result;
   }
 
+  /// Finds what closest() will be asked for, on all threads.
+  void findClosest(std::span<const std::uint32_t> balls) {
+    medial::parallelFor(balls.size(), request_.context,
+                        [&](std::size_t i) { static_cast<void>(closest(balls[i])); });
+  }
+
   /// The few balls next to ball a, found once between two calls of gatherCenters().
   [[nodiscard]] const std::vector<std::uint32_t>& closest(std::size_t a) {
     if (nearOf_[a] != gathered_) {
@@ -249,10 +256,12 @@ class LevelRefiner {
       gatherCenters();
       std::vector<Attempt> attempts;
       std::vector<bool> busy(balls_.size(), false);
-      for (const std::uint32_t b : byCost()) {
+      std::vector<std::uint32_t> order = byCost();
+      std::erase_if(order, [&](std::uint32_t b) { return done[b] || balls_[b].fit.standOff() < floor; });
+      findClosest(std::span(order).first(std::min(kBatch, order.size())));
+      for (const std::uint32_t b : order) {
         if (attempts.size() >= kBatch) break;
-        if (done[b] || busy[b]) continue;
-        if (balls_[b].fit.standOff() < floor) break;
+        if (busy[b]) continue;
         Attempt a;
         a.still = true;
         a.members = membersOf(b, b);
@@ -357,8 +366,16 @@ class LevelRefiner {
 
   /// Tries all, takes over those that gain, the best first, as long as they do not touch each other.
   std::size_t attempt(std::vector<Attempt>& attempts) {
-    medial::parallelFor(attempts.size(), request_.context, [&](std::size_t i) {
-      Attempt& a = attempts[i];
+    // The longest first, so that no thread is left with one when the others are done.
+    std::vector<std::pair<std::size_t, std::size_t>> largest;
+    for (std::size_t i = 0; i < attempts.size(); ++i) {
+      std::size_t pieces = 0;
+      for (const std::uint32_t m : attempts[i].members) pieces += balls_[m].pieces.size();
+      largest.emplace_back(~(pieces * attempts[i].members.size()), i);
+    }
+    std::sort(largest.begin(), largest.end());
+    medial::parallelFor(attempts.size(), request_.context, [&](std::size_t n) {
+      Attempt& a = attempts[largest[n].second];
       Patch patch(request_, problem_, corners_, balls_, a.members, cost_);
       const double before = patch.energy();
       const auto number = [&](std::uint32_t b) {
@@ -522,6 +539,12 @@ class LevelRefiner {
       std::vector<bool> busy(balls_.size(), false);
       std::vector<std::uint32_t> room = childCounts();
       const std::vector<std::uint32_t> order = byCost();
+      std::vector<std::uint32_t> likely(
+          order.begin(), order.begin() + static_cast<std::ptrdiff_t>(std::min(kBatch, order.size())));
+      for (std::size_t v = 0; v < std::min(kBatch, victims.size()); ++v) {
+        if (victims[v].ball != kNone) likely.push_back(victims[v].ball);
+      }
+      findClosest(likely);
       const std::size_t old = balls_.size();
       for (const bool apart : {true, false}) {
         std::size_t looked = 0;
@@ -637,36 +660,53 @@ class LevelRefiner {
     if (!apart) tries_[at] = request_.effort.tries;
   }
 
+  /// A piece that is replaced by two.
+  struct Cut {
+    std::uint32_t piece = 0;
+    std::pair<Piece, Piece> parts;
+    std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> allowed;
+  };
+
+  /// The pieces of a ball that decide how far it sticks out, cut.
+  [[nodiscard]] std::vector<Cut> cutsOf(std::size_t b) const {
+    const LevelBall& ball = balls_[b];
+    const double limit = kCriticalPiece * ball.fit.standOff();
+    std::vector<Cut> cuts;
+    for (const std::uint32_t number : ball.pieces) {
+      const Piece& piece = problem_.pieces[number];
+      if (piece.triangles.empty() || standOff(b, number) < limit) continue;
+      if (piece.size() < kShortest * ball.fit.reach) continue;
+      Cut done{number, cut(piece), {problem_.allowed[number], problem_.allowed[number]}};
+      if (problem_.allowedPart) {
+        done.allowed = {problem_.allowedPart(done.parts.first, problem_.allowed[number]),
+                        problem_.allowedPart(done.parts.second, problem_.allowed[number])};
+      }
+      cuts.push_back(std::move(done));
+    }
+    return cuts;
+  }
+
   /// Cuts the pieces that decide how far their ball sticks out; false when there were none.
   bool cutSeams() {
     const double top = worst();
+    std::vector<std::vector<Cut>> cuts(balls_.size());
+    medial::parallelFor(balls_.size(), request_.context, [&](std::size_t b) {
+      if (balls_[b].fit.standOff() >= kCriticalBall * top) cuts[b] = cutsOf(b);
+    });
     const std::size_t old = problem_.pieces.size();
-    for (LevelBall& ball : balls_) {
-      if (ball.fit.standOff() < kCriticalBall * top) continue;
-      const double limit = kCriticalPiece * ball.fit.standOff();
-      const std::size_t b = static_cast<std::size_t>(&ball - balls_.data());
-      const std::vector<std::uint32_t> mine = ball.pieces;
-      for (const std::uint32_t piece : mine) {
-        if (problem_.pieces[piece].triangles.empty()) continue;
-        if (standOff(b, piece) < limit) continue;
-        if (problem_.pieces[piece].size() < kShortest * ball.fit.reach) continue;
-        auto [first, second] = cut(problem_.pieces[piece]);
-        std::vector<std::uint32_t> allowed = problem_.allowed[piece];
-        std::vector<std::uint32_t> firstAllowed = allowed;
-        if (problem_.allowedPart) {
-          firstAllowed = problem_.allowedPart(first, allowed);
-          allowed = problem_.allowedPart(second, allowed);
-        }
+    for (std::size_t b = 0; b < balls_.size(); ++b) {
+      for (Cut& done : cuts[b]) {
         if (!problem_.loads.empty()) {
-          const double share = areaOf(first) / (areaOf(first) + areaOf(second));
-          problem_.loads.push_back((1 - share) * problem_.loads[piece]);
-          problem_.loads[piece] *= share;
+          const double share =
+              areaOf(done.parts.first) / (areaOf(done.parts.first) + areaOf(done.parts.second));
+          problem_.loads.push_back((1 - share) * problem_.loads[done.piece]);
+          problem_.loads[done.piece] *= share;
         }
-        ball.pieces.push_back(static_cast<std::uint32_t>(problem_.pieces.size()));
-        problem_.pieces[piece] = std::move(first);
-        problem_.allowed[piece] = std::move(firstAllowed);
-        problem_.pieces.push_back(std::move(second));
-        problem_.allowed.push_back(std::move(allowed));
+        balls_[b].pieces.push_back(static_cast<std::uint32_t>(problem_.pieces.size()));
+        problem_.pieces[done.piece] = std::move(done.parts.first);
+        problem_.allowed[done.piece] = std::move(done.allowed.first);
+        problem_.pieces.push_back(std::move(done.parts.second));
+        problem_.allowed.push_back(std::move(done.allowed.second));
       }
     }
     if (problem_.pieces.size() == old) return false;
@@ -741,7 +781,7 @@ RefineEffort refineEffort(Quality quality) {
 BuildEffort buildEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {false, 0, 1, 1, 1, 1, false};
+      return {false, 0, 1, 1, 1, 2, false};
     case Quality::Best:
       return {true, 8, 3, 10, 4, SettingLimits::kMostLevels, true};
     case Quality::Normal:

@@ -79,18 +79,27 @@ TEST(CombinedProperty, ThreadsDoNotChangeABit) {
   }
 }
 
+struct Driver {
+  std::string name;
+  Toggle refine;
+  Quality quality;
+};
+
 /// Refined and linked, or naked as in the paper.
-class Rivals : public testing::TestWithParam<Toggle> {};
-INSTANTIATE_TEST_SUITE_P(Combined, Rivals, testing::Values(Toggle::Off, Toggle::On),
-                         [](const auto& row) { return row.param == Toggle::On ? "Refined" : "Naked"; });
+class Rivals : public testing::TestWithParam<Driver> {};
+INSTANTIATE_TEST_SUITE_P(Combined, Rivals,
+                         testing::Values(Driver{"Naked", Toggle::Off, Quality::Normal},
+                                         Driver{"Fast", Toggle::On, Quality::Fast},
+                                         Driver{"Refined", Toggle::On, Quality::Normal}),
+                         [](const auto& row) { return row.param.name; });
 
 TEST_P(Rivals, NoReducerGivenIsBetterOnAnyLevel) {
   for (const test::Solid& solid : someSolids()) {
     BuildSettings settings = test::quickSettings("combined");
     settings.combined.reducers = {"grid", "spawn", "merge", "burst", "expand"};
-    settings.refine = GetParam();
-    settings.link = GetParam();
-    settings.quality = Quality::Normal;
+    settings.refine = GetParam().refine;
+    settings.link = GetParam().refine;
+    settings.quality = GetParam().quality;
     const Result<BuildResult> combined = buildTree(solid.surface, settings, medial::Context(2));
     ASSERT_TRUE(combined.ok()) << combined.error().message;
     for (const std::string& reducer : settings.combined.reducers) {
@@ -100,12 +109,12 @@ TEST_P(Rivals, NoReducerGivenIsBetterOnAnyLevel) {
       ASSERT_TRUE(single.ok()) << single.error().message;
       // Naked, the paper's greedy choice: the best set of a node may leave regions that are worse to cover
       // than another set's, so it promises the first level alone.
-      const std::size_t depths = GetParam() == Toggle::On ? single->report.levels.size() : 2;
+      const std::size_t depths = GetParam().refine == Toggle::On ? single->report.levels.size() : 2;
       for (std::size_t depth = 0; depth < std::min(depths, single->report.levels.size()); ++depth) {
         // A tree that ended early had nothing to gain: its last level stands for the ones below.
         const std::size_t same = std::min(depth, combined->report.levels.size() - 1);
-        // Sets are compared by their stand-off. Where the nearest surface is shadowed the overhang is a little
-        // less than that, and not for all sets by the same.
+        // Sets are compared by their stand-off. Where the nearest surface is shadowed the overhang is a
+        // little less than that, and not for all sets by the same.
         constexpr double kShadow = 1.01;
         EXPECT_LE(combined->report.levels[same].metrics.overhangWorst.lower,
                   kShadow * single->report.levels[depth].metrics.overhangWorst.upper)
