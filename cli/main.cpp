@@ -16,6 +16,7 @@
 #include "cli/console.hpp"
 #include "cli/interrupt.hpp"
 #include "medial/context.hpp"
+#include "medial/environment.hpp"
 
 namespace spheretree::cli {
 namespace {
@@ -85,6 +86,7 @@ ExitCode guarded(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   namespace cli = spheretree::cli;
+  spheretree::medial::tuneEnvironment(argv);
   cli::catchInterrupts();
   cli::ExitCode code = cli::guarded(argc, argv);
   const auto printed = cli::finishPrinting();

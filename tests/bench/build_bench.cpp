@@ -27,6 +27,7 @@
 #include "io/mesh_import.hpp"
 #include "io/report_parts.hpp"
 #include "io/tree_files.hpp"
+#include "medial/environment.hpp"
 #include "models/shapes.hpp"
 
 namespace {
@@ -284,6 +285,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  spheretree::medial::tuneEnvironment(argv);
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

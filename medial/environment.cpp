@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "medial/environment.hpp"
+
+#if defined(__linux__)
+#include <unistd.h>
+
+#include <cstdlib>
+#endif
+
+namespace spheretree::medial {
+
+#if defined(__linux__)
+
+void tuneEnvironment(char** argv) {
+  if (std::getenv("OMP_WAIT_POLICY") != nullptr) return;
+  constexpr int kKeep = 0;  // what is set already
+  if (setenv("OMP_WAIT_POLICY", "passive", kKeep) != 0) return;
+  static_cast<void>(setenv("GLIBC_TUNABLES",
+                           "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=1073741824"
+                           ":glibc.malloc.trim_threshold=1073741824",
+                           kKeep));
+  static_cast<void>(execv("/proc/self/exe", argv));
+}
+
+#else
+
+void tuneEnvironment(char** /*argv*/) {}
+
+#endif
+
+}  // namespace spheretree::medial
