@@ -56,9 +56,6 @@ constexpr double kSpreadCellSize = 0.7;
 constexpr double kRoughError = 2;
 constexpr double kRoughBalls = 0.25;
 
-// No ball sticks out more than the worst.
-constexpr double kNever = 2;
-
 // Surface points of the axis that the first region is refined from.
 constexpr std::uint32_t kCoarseSamples = 1000;
 
@@ -454,7 +451,10 @@ class LevelDriver {
   [[nodiscard]] RefineRequest requestFor(std::uint64_t seed) const {
     RefineEffort effort = refineEffort(settings_.quality);
     if (sketching_) effort = sketchEffort();
-    if (isRough() && !buildEffort(settings_.quality).polishesRough) effort.polishFrom = kNever;
+    if (isRough()) {
+      effort.polishFrom = buildEffort(settings_.quality).roughPolishFrom;
+      effort.trialsPerBall = buildEffort(settings_.quality).roughTrialsPerBall;
+    }
     return {surface_, settings_.objective, goodEnough_, effort, seed, context_};
   }
 

@@ -55,6 +55,8 @@ constexpr double kShortest = 0.02;
 // A sweep that lowers the energy by less than this fraction is the last.
 constexpr double kLastGain = 2e-3;
 constexpr double kPower = 10;
+// No ball sticks out more than the worst.
+constexpr double kNever = 2;
 
 class LevelRefiner {
  public:
@@ -781,13 +783,13 @@ RefineEffort refineEffort(Quality quality) {
 BuildEffort buildEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {false, 0, 1, 1, 1, 2, false};
+      return {false, 0, 1, 1, 1, 2, kNever, 2};
     case Quality::Best:
-      return {true, 8, 3, 10, 4, SettingLimits::kMostLevels, true};
+      return {true, 8, 3, 10, 4, SettingLimits::kMostLevels};
     case Quality::Normal:
       break;
   }
-  return {true, 2, 1, 3, 1, 2, true};
+  return {true, 2, 1, 3, 1, 2, 0.4, 1};
 }
 
 RefineEffort sketchEffort() {

@@ -63,7 +63,8 @@ struct BuildEffort {
   std::size_t lookedAhead = 1;    ///< first levels below which the second one is tried
   std::size_t passes = 1;         ///< whole trees, from those that then promise most; the best one stays
   std::size_t carefulLevels = 1;  ///< below so many, sets are rough: one reducer, a coarse axis and pieces
-  bool polishesRough = true;      ///< whether balls of rough levels are refined one by one
+  double roughPolishFrom = 0;     ///< RefineEffort::polishFrom of rough levels
+  std::size_t roughTrialsPerBall = 1;  ///< RefineEffort::trialsPerBall of rough levels
 };
 
 [[nodiscard]] BuildEffort buildEffort(Quality quality);

@@ -83,14 +83,21 @@ struct Driver {
   std::string name;
   Toggle refine;
   Quality quality;
+  double tolerance;
 };
+
+// Sets are compared by their stand-off. Where the nearest surface is shadowed the overhang is a little less
+// than that, and not for all sets by the same.
+constexpr double kShadow = 1.01;
+// How far `fast` may miss what one of many reducers finds by luck.
+constexpr double kFast = 1.06;
 
 /// Refined and linked, or naked as in the paper.
 class Rivals : public testing::TestWithParam<Driver> {};
 INSTANTIATE_TEST_SUITE_P(Combined, Rivals,
-                         testing::Values(Driver{"Naked", Toggle::Off, Quality::Normal},
-                                         Driver{"Fast", Toggle::On, Quality::Fast},
-                                         Driver{"Refined", Toggle::On, Quality::Normal}),
+                         testing::Values(Driver{"Naked", Toggle::Off, Quality::Normal, kShadow},
+                                         Driver{"Fast", Toggle::On, Quality::Fast, kFast},
+                                         Driver{"Refined", Toggle::On, Quality::Normal, kShadow}),
                          [](const auto& row) { return row.param.name; });
 
 TEST_P(Rivals, NoReducerGivenIsBetterOnAnyLevel) {
@@ -113,11 +120,8 @@ TEST_P(Rivals, NoReducerGivenIsBetterOnAnyLevel) {
       for (std::size_t depth = 0; depth < std::min(depths, single->report.levels.size()); ++depth) {
         // A tree that ended early had nothing to gain: its last level stands for the ones below.
         const std::size_t same = std::min(depth, combined->report.levels.size() - 1);
-        // Sets are compared by their stand-off. Where the nearest surface is shadowed the overhang is a
-        // little less than that, and not for all sets by the same.
-        constexpr double kShadow = 1.01;
         EXPECT_LE(combined->report.levels[same].metrics.overhangWorst.lower,
-                  kShadow * single->report.levels[depth].metrics.overhangWorst.upper)
+                  GetParam().tolerance * single->report.levels[depth].metrics.overhangWorst.upper)
             << "level " << depth;
       }
     }
