@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 #endif
 
 namespace spheretree::medial {
@@ -19,7 +21,10 @@ void tuneEnvironment(char** argv) {
                            "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=1073741824"
                            ":glibc.malloc.trim_threshold=1073741824",
                            kKeep));
-  static_cast<void>(execv("/proc/self/exe", argv));
+  // By its own path, so that it keeps its name.
+  std::error_code failure;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failure);
+  if (!failure) static_cast<void>(execv(self.c_str(), argv));
 }
 
 #else
