@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -43,6 +44,20 @@ TEST_F(Usage, HelpNamesEverySubcommandAndExitCode) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
 }
 
+TEST_F(Usage, ThreadsSleepWhileTheyWaitUnlessToldOtherwise) {
+  ::setenv("OMP_DISPLAY_ENV", "true", 1);
+  const Finished own = run({"list"});
+  ::setenv("OMP_WAIT_POLICY", "active", 1);
+  const Finished told = run({"list"});
+  ::unsetenv("OMP_WAIT_POLICY");
+  ::unsetenv("OMP_DISPLAY_ENV");
+  EXPECT_EQ(own.exitCode, 0);
+  // Before and after the program starts itself anew, the runtime library says what it found.
+  EXPECT_NE(own.err.find("OMP_WAIT_POLICY = 'PASSIVE'", own.err.find("END")), std::string::npos) << own.err;
+  EXPECT_NE(told.err.find("OMP_WAIT_POLICY = 'ACTIVE'"), std::string::npos) << told.err;
+  EXPECT_EQ(own.out, told.out);
+}
+
 TEST_F(Usage, HelpOfASubcommandShowsDefaults) {
   const Finished help = run({"build", "--help"});
   EXPECT_EQ(help.exitCode, 0);
@@ -73,7 +88,8 @@ std::string chapter(const std::string& book, const std::string& subcommand) {
 TEST_F(Usage, TheBookHasEveryOptionAndItsDefault) {
   std::ifstream file(SPHERETREE_BOOK);
   const std::string book((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  for (const char* subcommand : {"build", "batch", "compare", "eval", "export", "info", "list", "mesh", "urdf"}) {
+  for (const char* subcommand :
+       {"build", "batch", "compare", "eval", "export", "info", "list", "mesh", "urdf"}) {
     SCOPED_TRACE(subcommand);
     const std::string text = chapter(book, subcommand);
     // What batch and compare share with build is said there.
