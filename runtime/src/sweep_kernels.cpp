@@ -602,10 +602,6 @@ SPHERETREE_PATH inline Rows sameRows(std::uint64_t low, std::uint64_t high) noex
   return {_mm512_set1_epi64(static_cast<long long>(low)), _mm512_set1_epi64(static_cast<long long>(high))};
 }
 
-SPHERETREE_PATH inline Rows rowsAt(const std::uint64_t* low, const std::uint64_t* high) noexcept {
-  return {_mm512_loadu_si512(low), _mm512_loadu_si512(high)};
-}
-
 SPHERETREE_PATH inline __mmask8 hitsAt(const Rows& rows, const std::uint64_t* low,
                                        const std::uint64_t* high) noexcept {
   const __m512i apart = _mm512_or_si512(_mm512_add_epi16(rows.high, _mm512_loadu_si512(low)),
