@@ -2,8 +2,8 @@
 #include <spheretree/sph.hpp>
 
 #include <cstdlib>
-#include <random>
 #include <new>
+#include <random>
 #include <string>
 #include <string_view>
 #include <vector>
