@@ -517,13 +517,12 @@ class LevelDriver {
     for (std::vector<LevelBall>& even : foresight_.evenSets(balls, buildEffort(settings_.quality).starts)) {
       starts.push_back(std::move(even));
     }
-    const std::size_t pressures = buildEffort(settings_.quality).pressures;
-    std::vector<RefinedLevel> all(pressures * starts.size());
+    std::vector<LevelProblem> pressed(buildEffort(settings_.quality).pressures, problem);
+    for (std::size_t k = 0; k < pressed.size(); ++k) foresight_.weigh(pressed[k], 1, kLoadPressures[k]);
+    std::vector<RefinedLevel> all(pressed.size() * starts.size());
     // Few balls leave threads idle, so levels go side by side.
     medial::parallelFor(all.size(), context_, [&](std::size_t i) {
-      LevelProblem pressed = problem;
-      foresight_.weigh(pressed, 1, kLoadPressures[i / starts.size()]);
-      all[i] = refined(std::move(pressed), starts[i % starts.size()], request);
+      all[i] = refined(pressed[i / starts.size()], starts[i % starts.size()], request);
     });
     const auto promising = [](const RefinedLevel& a, const RefinedLevel& b) {
       return a.prospect < b.prospect;

@@ -215,9 +215,17 @@ class LevelRefiner {
   }
 
   /// Finds what closest() will be asked for, on all threads.
-  void findClosest(std::span<const std::uint32_t> balls) {
+  void findClosest(std::vector<std::uint32_t> balls) {
+    // Each once: no two threads may look for the neighbours of the same ball.
+    std::sort(balls.begin(), balls.end());
+    balls.erase(std::unique(balls.begin(), balls.end()), balls.end());
     medial::parallelFor(balls.size(), request_.context,
                         [&](std::size_t i) { static_cast<void>(closest(balls[i])); });
+  }
+
+  /// As many as a batch may have.
+  static std::vector<std::uint32_t> firstOf(const std::vector<std::uint32_t>& order) {
+    return {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(std::min(kBatch, order.size()))};
   }
 
   /// The few balls next to ball a, found once between two calls of gatherCenters().
@@ -260,7 +268,7 @@ class LevelRefiner {
       std::vector<bool> busy(balls_.size(), false);
       std::vector<std::uint32_t> order = byCost();
       std::erase_if(order, [&](std::uint32_t b) { return done[b] || balls_[b].fit.standOff() < floor; });
-      findClosest(std::span(order).first(std::min(kBatch, order.size())));
+      findClosest(firstOf(order));
       for (const std::uint32_t b : order) {
         if (attempts.size() >= kBatch) break;
         if (busy[b]) continue;
@@ -368,16 +376,8 @@ class LevelRefiner {
 
   /// Tries all, takes over those that gain, the best first, as long as they do not touch each other.
   std::size_t attempt(std::vector<Attempt>& attempts) {
-    // The longest first, so that no thread is left with one when the others are done.
-    std::vector<std::pair<std::size_t, std::size_t>> largest;
-    for (std::size_t i = 0; i < attempts.size(); ++i) {
-      std::size_t pieces = 0;
-      for (const std::uint32_t m : attempts[i].members) pieces += balls_[m].pieces.size();
-      largest.emplace_back(~(pieces * attempts[i].members.size()), i);
-    }
-    std::sort(largest.begin(), largest.end());
-    medial::parallelFor(attempts.size(), request_.context, [&](std::size_t n) {
-      Attempt& a = attempts[largest[n].second];
+    medial::parallelFor(attempts.size(), request_.context, [&](std::size_t i) {
+      Attempt& a = attempts[i];
       Patch patch(request_, problem_, corners_, balls_, a.members, cost_);
       const double before = patch.energy();
       const auto number = [&](std::uint32_t b) {
@@ -541,8 +541,7 @@ class LevelRefiner {
       std::vector<bool> busy(balls_.size(), false);
       std::vector<std::uint32_t> room = childCounts();
       const std::vector<std::uint32_t> order = byCost();
-      std::vector<std::uint32_t> likely(
-          order.begin(), order.begin() + static_cast<std::ptrdiff_t>(std::min(kBatch, order.size())));
+      std::vector<std::uint32_t> likely = firstOf(order);
       for (std::size_t v = 0; v < std::min(kBatch, victims.size()); ++v) {
         if (victims[v].ball != kNone) likely.push_back(victims[v].ball);
       }
