@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "builders/grouping.hpp"
@@ -22,6 +23,8 @@ constexpr double kStandOffPerLoad = 0.67;
 constexpr double kPowerRatio = 10.0 / 6.0;
 // Leaves are spread over the surface as if there were fewer by this share, so that there is room to move.
 constexpr double kSpareLeaves = 0.05;
+// Where a level sticks out less than its median, no more than so much less counts.
+constexpr double kLeastLesson = 0.5;
 
 }  // namespace
 
@@ -87,19 +90,60 @@ void Foresight::weigh(LevelProblem& problem, std::size_t depth, double pressure)
     const double whole = areaOfLeaf[nearest[i]];
     problem.loads[i] = whole > 0 ? share * areaOf(problem.pieces[i]) / whole : 0;
   }
+  if (!lessons_.empty()) {
+    const double before = std::accumulate(problem.loads.begin(), problem.loads.end(), 0.0);
+    for (std::size_t i = 0; i < nearest.size(); ++i) problem.loads[i] *= lessons_[nearest[i]];
+    const double after = std::accumulate(problem.loads.begin(), problem.loads.end(), 0.0);
+    for (double& load : problem.loads) load *= before / after;
+  }
   problem.fairLoad = settings_.branch;
   problem.loadWeight = kStandOffPerLoad * levelsBelow * kPowerRatio * pressure;
 }
 
+void Foresight::learn(std::span<const std::vector<LevelNode>> levels) {
+  const std::vector<LevelNode>& below = levels.back();
+  std::vector<double> worst(levels[levels.size() - 2].size(), 0);  // child of each ball above
+  for (const LevelNode& node : below) {
+    worst[node.parent] = std::max(worst[node.parent], node.fit.standOff());
+  }
+  std::vector<double> sorted = worst;
+  std::sort(sorted.begin(), sorted.end());
+  const double median = sorted[sorted.size() / 2];
+  if (!(median > 0)) return;
+  lessons_.resize(leaves_.size(), 1.0);
+  medial::parallelFor(leaves_.size(), context_, [&](std::size_t k) {
+    double least = std::numeric_limits<double>::infinity();
+    std::uint32_t parent = 0;  // of the ball that holds the leaf's part best
+    for (const LevelNode& node : below) {
+      const double over = std::sqrt(farthestSquared(points_[k], node.fit.center.at)) - node.fit.reach;
+      if (over >= least) continue;
+      least = over;
+      parent = node.parent;
+    }
+    lessons_[k] *= std::pow(std::max(kLeastLesson, worst[parent] / median), 1 / kStandOffPerLoad);
+  });
+}
+
+std::vector<DepthProbe> Foresight::places() const {
+  std::vector<DepthProbe> places;
+  for (const Fit& leaf : leaves_) places.push_back(leaf.center);
+  return places;
+}
+
 double Foresight::prospect(std::span<const LevelBall> balls, std::size_t depth) const {
   double worst = 0;
-  double load = 1;
+  double load = 0;
   for (const LevelBall& ball : balls) {
     worst = std::max(worst, ball.fit.standOff());
-    load = std::max(load, ball.load / settings_.branch);
+    load = std::max(load, ball.load);
   }
+  return prospect(worst, load, depth);
+}
+
+double Foresight::prospect(double standOff, double load, std::size_t depth) const {
   const double levelsBelow = static_cast<double>(settings_.levels - 1 - depth);
-  return std::log(worst) + kStandOffPerLoad * levelsBelow * std::log(load);
+  return std::log(standOff) +
+         kStandOffPerLoad * levelsBelow * std::log(std::max(1.0, load / settings_.branch));
 }
 
 std::vector<std::vector<LevelBall>> Foresight::evenSets(std::span<const LevelBall> given,

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "builders/ancestry.hpp"
 #include "builders/fit_ball.hpp"
 #include "builders/refine.hpp"
 #include "builders/settings.hpp"
@@ -29,9 +30,22 @@ class Foresight {
   /// leaves were spread there, in the proportion of the levels' sizes. `pressure` is how much that counts.
   void weigh(LevelProblem& problem, std::size_t depth, double pressure) const;
 
+  /// How loads are foreseen from now on: as the leaves say.
+  void forget() { lessons_.clear(); }
+
+  /// How loads are foreseen from now on: more where the level below has turned out to stick out more than its
+  /// median. `levels` from the root down; the last is that level.
+  void learn(std::span<const std::vector<LevelNode>> levels);
+
+  /// The centres of the leaves; empty until they are spread.
+  [[nodiscard]] std::vector<DepthProbe> places() const;
+
   /// What balls on level `depth` will lead to: the sum over it and the levels below of the logarithm of the
   /// worst stand-off.
   [[nodiscard]] double prospect(std::span<const LevelBall> balls, std::size_t depth) const;
+
+  /// The same of balls whose worst stand-off and largest load are known.
+  [[nodiscard]] double prospect(double standOff, double load, std::size_t depth) const;
 
   /// Up to `count` first levels that share the leaves out evenly, without their pieces: one grown from the
   /// centres of the given balls, the others from centres far from each other.
@@ -47,6 +61,7 @@ class Foresight {
   const medial::Context& context_;
   std::vector<Fit> leaves_;
   std::vector<PointBlock> points_;  // of each leaf, what it holds
+  std::vector<double> lessons_;     // of each leaf, how many times its share it needs; empty: once
 };
 
 }  // namespace spheretree::builders

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "builders/ancestry.hpp"
+#include "builders/fair_cover.hpp"
 #include "builders/fit_ball.hpp"
 #include "builders/foresight.hpp"
 #include "builders/pieces.hpp"
@@ -67,6 +68,12 @@ constexpr int kSecondChances = 2;
 constexpr double kSecondWeight = 0.2;
 // First levels differ in how much a load counts: which is best differs from shape to shape.
 constexpr std::array<double, 3> kLoadPressures{2, 1.3, 0.8};
+// First levels with even loads are tried with these times the least overhang of the other first levels.
+constexpr std::array<double, 4> kFairLimits{0.95, 0.98, 1.01, 1.04};
+// Their balls reach as far as they may, so a cell across a seam costs more than elsewhere.
+constexpr double kFairCellSize = 0.25;
+// Not above what the reducers reached, in spite of rounding.
+constexpr double kJustBelow = 0.9999;
 // Shares of the progress: of the sketch, and of the rest for looking ahead.
 constexpr double kSketchShare = 0.1;
 constexpr double kLookShare = 0.4;
@@ -245,16 +252,18 @@ class LevelDriver {
     Levels levels;
     Winners winners;
     std::vector<OpenNode> open;
+    std::vector<Proposal> makers;
     std::uint64_t nodesSoFar = 0;
     double prospect = 0;
   };
 
-  [[nodiscard]] State state() const { return {levels_, winners_, open_, nodesSoFar_, prospect_}; }
+  [[nodiscard]] State state() const { return {levels_, winners_, open_, makers_, nodesSoFar_, prospect_}; }
 
   void goOnFrom(State state) {
     levels_ = std::move(state.levels);
     winners_ = std::move(state.winners);
     open_ = std::move(state.open);
+    makers_ = std::move(state.makers);
     nodesSoFar_ = state.nodesSoFar;
     prospect_ = state.prospect;
   }
@@ -266,7 +275,7 @@ class LevelDriver {
     begin();
     const State root = state();
     std::vector<Proposal> proposals = proposeAll();
-    std::vector<State> begun;
+    std::vector<Begun> begun;
     const Stretch all = stretch_;
     const double middle = all.from + kLookShare * (all.to - all.from);
     for (RefinedLevel& first : firstLevels(proposals)) {
@@ -277,20 +286,53 @@ class LevelDriver {
       std::vector<Proposal> shared = proposals;
       shareAmongParents(std::move(first), shared);
       if (!takeOver(shared)) continue;
+      Begun tree{state(), {}};
       addLevels(2, std::min(settings_.levels, 3U));
-      begun.push_back(state());
+      tree.second = state();
+      begun.push_back(std::move(tree));
     }
     std::stable_sort(begun.begin(), begun.end(),
-                     [](const State& a, const State& b) { return a.prospect < b.prospect; });
+                     [](const Begun& a, const Begun& b) { return a.second.prospect < b.second.prospect; });
     if (begun.size() > effort.passes) begun.resize(effort.passes);
     State best = root;
+    const std::size_t lessons = settings_.levels > 3 ? effort.lessons : 0;
     for (pass_ = 0; pass_ < begun.size(); ++pass_) {
-      stretch_ = part({middle, all.to}, pass_, begun.size());
-      goOnFrom(std::move(begun[pass_]));
-      addLevels(3, settings_.levels);
-      if (score(levels_) < score(best.levels)) best = state();
+      const Stretch pass = part({middle, all.to}, pass_, begun.size());
+      foresight_.forget();
+      for (std::size_t lesson = 0; lesson <= lessons; ++lesson) {
+        stretch_ = part(pass, lesson, lessons + 1);
+        if (lesson > 0 && !mendSecondLevel(begun[pass_], lesson)) break;
+        goOnFrom(begun[pass_].second);
+        addLevels(3, settings_.levels);
+        if (score(levels_) < score(best.levels)) best = state();
+      }
     }
     goOnFrom(std::move(best));
+  }
+
+  /// A tree with its first level, and with its second one.
+  struct Begun {
+    State first;
+    State second;
+  };
+
+  /// What the levels so far show about the loads of the second one is taken to heart, and that refined once
+  /// more; false when there is nothing to learn.
+  bool mendSecondLevel(Begun& tree, std::size_t lesson) {
+    if (levels_.size() < 4 || tree.second.levels.size() < 3) return false;
+    foresight_.learn(std::span(levels_).first(4));
+    goOnFrom(tree.first);
+    std::vector<LevelBall> balls;
+    for (const LevelNode& node : tree.second.levels[2]) balls.push_back({node.fit, node.parent, {}, 0});
+    LevelProblem problem = problemOf(coarsePieces());
+    foresight_.weigh(problem, 2, kLoadPressures.front());
+    std::vector<Proposal> proposals = tree.second.makers;
+    nodesSoFar_ = tree.second.nodesSoFar;
+    shareAmongParents(refined(std::move(problem), std::move(balls), requestFor(settings_.seed + lesson)),
+                      proposals);
+    if (!takeOver(proposals)) return false;
+    tree.second = state();
+    return true;
   }
 
   [[nodiscard]] bool isOn(Toggle toggle) const {
@@ -531,7 +573,9 @@ class LevelDriver {
     double limit = worstOf(balls);
     for (const RefinedLevel& level : all) limit = std::min(limit, kNearLeast * worstOf(level.balls));
     const std::size_t wanted = buildEffort(settings_.quality).lookedAhead;
-    std::vector<RefinedLevel> good;
+    std::vector<RefinedLevel> good = fairLevels(all, balls);
+    std::stable_sort(good.begin(), good.end(), promising);
+    if (good.size() >= wanted) return good;
     for (RefinedLevel& level : all) {
       const double least =
           good.size() < wanted ? std::numeric_limits<double>::infinity() : good[wanted - 1].prospect;
@@ -544,6 +588,63 @@ class LevelDriver {
       if (worstOf(good.front().balls) > worstOf(balls)) good.front() = finePieces(proposals);
     }
     return good;
+  }
+
+  /// First levels with even loads that stick out about as much as the least of the others, and no more than
+  /// `given`; none where there are more balls than can be looked at. All in pieces that stay whole.
+  [[nodiscard]] std::vector<RefinedLevel> fairLevels(const std::vector<RefinedLevel>& others,
+                                                     const std::vector<LevelBall>& given) const {
+    const BuildEffort effort = buildEffort(settings_.quality);
+    const std::vector<DepthProbe> places = foresight_.places();
+    if (effort.fairSteps == 0 || settings_.branch > kMostFairBalls || places.empty()) return {};
+    const auto flattest = std::min_element(others.begin(), others.end(), [](const auto& a, const auto& b) {
+      return worstOf(a.balls) < worstOf(b.balls);
+    });
+    std::vector<std::vector<DepthProbe>> starts;
+    for (const std::vector<LevelBall>* balls : {&others.front().balls, &flattest->balls, &given}) {
+      if (starts.size() == effort.fairStarts) break;
+      std::vector<DepthProbe>& start = starts.emplace_back();
+      for (const LevelBall& ball : *balls) start.push_back(ball.fit.center);
+      while (start.size() < settings_.branch) start.push_back(places[start.size() % places.size()]);
+    }
+    const double most = kJustBelow * worstOf(given);
+    std::vector<double> limits;
+    for (const double times : kFairLimits) {
+      limits.push_back(std::min(most, times * worstOf(flattest->balls)));
+      if (limits.back() == most) break;
+    }
+    LevelProblem problem = problemOf({piecesOf(open_.front(), kFairCellSize)});
+    foresight_.weigh(problem, 1, 1);
+    std::vector<RefinedLevel> levels(limits.size() * starts.size());
+    medial::parallelFor(levels.size(), context_, [&](std::size_t i) {
+      const FairCoverRequest request{
+          surface_,         problem.pieces,    problem.loads, places, limits[i % limits.size()],
+          effort.fairSteps, settings_.seed + i};
+      const FairCover cover = fairCover(request, starts[i / limits.size()]);
+      if (!cover.complete) return;
+      levels[i].problem = problem;
+      levels[i].balls = heldBalls(problem, cover.centers, shareFairly(request, cover));
+      levels[i].prospect = foresight_.prospect(worstOf(levels[i].balls), cover.load, 1);
+    });
+    std::erase_if(levels, [](const RefinedLevel& level) { return level.balls.empty(); });
+    return levels;
+  }
+
+  /// Balls around the pieces that they own.
+  static std::vector<LevelBall> heldBalls(const LevelProblem& problem, const std::vector<DepthProbe>& centers,
+                                          const std::vector<std::uint32_t>& owner) {
+    std::vector<LevelBall> balls(centers.size());
+    for (std::size_t b = 0; b < balls.size(); ++b) balls[b].fit.center = centers[b];
+    for (std::uint32_t p = 0; p < owner.size(); ++p) {
+      LevelBall& ball = balls[owner[p]];
+      ball.pieces.push_back(p);
+      ball.load += problem.loads[p];
+      for (const Eigen::Vector3d& corner : problem.pieces[p].points) {
+        ball.fit.reach = std::max(ball.fit.reach, (corner - ball.fit.center.at).norm());
+      }
+    }
+    std::erase_if(balls, [](const LevelBall& ball) { return ball.pieces.empty(); });
+    return balls;
   }
 
   /// The level as one problem; `pieces` are those of each open node.
@@ -629,6 +730,7 @@ class LevelDriver {
       proposal.balls.clear();
       proposal.pieces.clear();
     }
+    makers_ = proposals;
     for (LevelBall& ball : level.balls) {
       Proposal& proposal = proposals[ball.parent];
       for (std::uint32_t& piece : ball.pieces) {
@@ -733,7 +835,8 @@ class LevelDriver {
   std::vector<std::vector<LevelBall>> rivals_;  // all sets proposed for the root
   std::size_t pass_ = 0;
   Stretch stretch_;
-  double prospect_ = 0;  // of the last level
+  double prospect_ = 0;           // of the last level
+  std::vector<Proposal> makers_;  // of the last level: who proposed its sets, without these
   Levels levels_;
   std::vector<OpenNode> open_;  // the last of levels_
   Winners winners_;

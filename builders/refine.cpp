@@ -784,11 +784,11 @@ BuildEffort buildEffort(Quality quality) {
     case Quality::Fast:
       return {false, 0, 1, 1, 1, 2, kNever, 2};
     case Quality::Best:
-      return {true, 8, 3, 10, 4, SettingLimits::kMostLevels};
+      return {true, 4, 2, 10, 1, SettingLimits::kMostLevels, 0, 1, 30000, 3, 3};
     case Quality::Normal:
       break;
   }
-  return {true, 2, 1, 3, 1, 2, 0.4, 1};
+  return {true, 2, 1, 3, 1, 2, 0.4, 1, 12000, 1, 0};
 }
 
 RefineEffort sketchEffort() {

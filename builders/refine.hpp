@@ -65,6 +65,9 @@ struct BuildEffort {
   std::size_t carefulLevels = 1;  ///< below so many, sets are rough: one reducer, a coarse axis and pieces
   double roughPolishFrom = 0;     ///< RefineEffort::polishFrom of rough levels
   std::size_t roughTrialsPerBall = 1;  ///< RefineEffort::trialsPerBall of rough levels
+  std::size_t fairSteps = 0;           ///< of the annealing of first levels with even loads
+  std::size_t fairStarts = 0;          ///< sets that each of them is started from
+  std::size_t lessons = 0;  ///< how often the second level is mended for what the third one has shown
 };
 
 [[nodiscard]] BuildEffort buildEffort(Quality quality);

@@ -8,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "builders/region.hpp"
 #include "tests/unit/builders/solids.hpp"
 
 namespace spheretree::builders {
@@ -16,15 +15,6 @@ namespace {
 
 using medial::Context;
 using medial::Surface;
-
-std::vector<Piece> piecesOfAll(const Surface& surface, double size) {
-  Region region;
-  for (std::uint32_t t = 0; t < surface.mesh().triangles.size(); ++t) {
-    region.surface.push_back(
-        {surface.mesh().corner(t, 0), surface.mesh().corner(t, 1), surface.mesh().corner(t, 2)});
-  }
-  return piecesOf(surface, region, {size, size});
-}
 
 class ForesightOnABar : public testing::Test {
  protected:
@@ -88,6 +78,37 @@ TEST_F(ForesightOnABar, EvenSetsHaveNoMoreBallsThanTheyMay) {
     EXPECT_GE(set.size(), 1U);
     EXPECT_LE(set.size(), settings_.branch);
   }
+}
+
+TEST_F(ForesightOnABar, WhatStuckOutFartherWeighsMoreUntilForgotten) {
+  foresight_.weigh(problem_, 2, 1);
+  const std::vector<double> before = problem_.loads;
+  // Two balls above, one at each end of the bar; a child of the left one sticks out twice as far.
+  const Eigen::Vector3d middle = bar_.bounds().center();
+  std::vector<std::vector<LevelNode>> levels(2, std::vector<LevelNode>(2));
+  for (std::uint32_t end = 0; end < 2; ++end) {
+    LevelNode& child = levels[1][end];
+    child.parent = end;
+    child.fit.center.at = middle + Eigen::Vector3d(end == 0 ? -2.0 : 2.0, 0, 0);
+    child.fit.reach = 2;
+    child.fit.center.depth = end == 0 ? 1.2 : 1.6;
+  }
+  foresight_.learn(levels);
+  foresight_.weigh(problem_, 2, 1);
+  double left = 0;
+  double leftBefore = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (problem_.pieces[i].points.front().x() > middle.x() - 1) continue;
+    left += problem_.loads[i];
+    leftBefore += before[i];
+  }
+  EXPECT_GT(left, 1.2 * leftBefore);
+  EXPECT_NEAR(std::accumulate(problem_.loads.begin(), problem_.loads.end(), 0.0),
+              std::accumulate(before.begin(), before.end(), 0.0), 1e-9)
+      << "there are no more children than before";
+  foresight_.forget();
+  foresight_.weigh(problem_, 2, 1);
+  EXPECT_EQ(problem_.loads, before);
 }
 
 TEST(Foresight, ForeseesNothingBeforeLeavesAreSpread) {

@@ -13,6 +13,7 @@
 
 #include <spheretree/sphere_tree.hpp>
 
+#include "builders/region.hpp"
 #include "medial/ball.hpp"
 #include "medial/random.hpp"
 #include "medial/surface.hpp"
@@ -28,6 +29,16 @@ inline medial::Surface surfaceOf(medial::TriangleMesh mesh) {
 
 inline medial::Surface boxSurface(double x, double y, double z) {
   return surfaceOf(models::makeBox({x, y, z}));
+}
+
+/// The whole surface in pieces no longer than `size`.
+inline std::vector<Piece> piecesOfAll(const medial::Surface& surface, double size) {
+  Region region;
+  for (std::uint32_t t = 0; t < surface.mesh().triangles.size(); ++t) {
+    region.surface.push_back(
+        {surface.mesh().corner(t, 0), surface.mesh().corner(t, 1), surface.mesh().corner(t, 2)});
+  }
+  return piecesOf(surface, region, {size, size});
 }
 
 inline Eigen::Vector3d randomIn(medial::Random& random, const Eigen::AlignedBox3d& box) {
