@@ -66,6 +66,14 @@ std::string traceOf(std::uint64_t seed, std::size_t index, const std::string& so
   return "seed " + std::to_string(seed) + ", case " + std::to_string(index) + ", " + solid;
 }
 
+// The second opinion once took triangles of a millionth for flat ones and distances to their edges for theirs.
+TEST(Differential, TheSecondOpinionKnowsTinyTriangles) {
+  for (const double size : {1.0, 1e-6, 1e-12, 1e-30}) {
+    const naive::Corners t{Vector3d(0, 0, 0), Vector3d(size, 0, 0), Vector3d(0, size, 0)};
+    EXPECT_DOUBLE_EQ(naive::distance(Vector3d(size / 4, size / 4, size / 10), t), size / 10) << size;
+  }
+}
+
 TEST(Differential, TheUncoveredDistanceOfRandomBalls) {
   test::Tally tally{"uncovered distance of random balls", "subdivision into quarters", 101};
   std::size_t covering = 0;

@@ -47,7 +47,7 @@ inline double distance(const Eigen::Vector3d& p, const Corners& t) {
   const auto& [a, b, c] = t;
   const double edges = std::min({distance(p, a, b), distance(p, b, c), distance(p, c, a)});
   Eigen::Vector3d n = (b - a).cross(c - a);
-  if (n.isZero()) return edges;
+  if (!(n.squaredNorm() > 0)) return edges;  // isZero() of Eigen takes tiny triangles for flat ones
   n.normalize();
   const Eigen::Vector3d foot = p - (p - a).dot(n) * n;
   const bool inside = (b - a).cross(foot - a).dot(n) >= 0 && (c - b).cross(foot - b).dot(n) >= 0 &&
