@@ -66,7 +66,8 @@ std::string traceOf(std::uint64_t seed, std::size_t index, const std::string& so
   return "seed " + std::to_string(seed) + ", case " + std::to_string(index) + ", " + solid;
 }
 
-// The second opinion once took triangles of a millionth for flat ones and distances to their edges for theirs.
+// The second opinion once took triangles of a millionth for flat ones and distances to their edges for
+// theirs.
 TEST(Differential, TheSecondOpinionKnowsTinyTriangles) {
   for (const double size : {1.0, 1e-6, 1e-12, 1e-30}) {
     const naive::Corners t{Vector3d(0, 0, 0), Vector3d(size, 0, 0), Vector3d(0, size, 0)};

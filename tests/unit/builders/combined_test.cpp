@@ -53,6 +53,25 @@ TEST(Combined, OneReducerIsThatReducerAlone) {
   }
 }
 
+TEST(Combined, FiveLevelsOfATorusAreCoveredAndEachSticksOutLess) {
+  const medial::Surface surface = surfaceOf(models::makeTorus(2, 0.7, 24, 12));
+  BuildSettings settings;
+  settings.builder = "combined";
+  settings.quality = Quality::Fast;
+  settings.levels = 5;
+  const BuildResult built = build(surface, settings);
+  ASSERT_EQ(built.tree.levelCount(), 5U);
+  std::size_t most = 1;
+  for (std::size_t level = 0; level < 5; ++level, most *= settings.branch) {
+    EXPECT_LE(built.tree.level(level).size(), most) << "level " << level;
+    if (level == 0) continue;
+    EXPECT_LT(built.report.levels[level].metrics.overhangWorst.upper,
+              built.report.levels[level - 1].metrics.overhangWorst.upper)
+        << "level " << level;
+  }
+  EXPECT_TRUE(built.report.surfaceChains.certified);
+}
+
 TEST(Combined, TheOrderOfTheNamesDoesNotMatter) {
   const medial::Surface surface = surfaceOf(models::makeGear(7));
   const BuildResult forwards = build(surface, naked({"grid", "merge", "expand"}));
