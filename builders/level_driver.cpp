@@ -320,6 +320,8 @@ class LevelDriver {
   /// more; false when there is nothing to learn.
   bool mendSecondLevel(Begun& tree, std::size_t lesson) {
     if (levels_.size() < 4 || tree.second.levels.size() < 3) return false;
+    // A first ball that was left without children is gone, and the others have other numbers.
+    if (tree.first.levels[1].size() != tree.second.levels[1].size()) return false;
     foresight_.learn(std::span(levels_).first(4));
     goOnFrom(tree.first);
     std::vector<LevelBall> balls;
