@@ -34,14 +34,18 @@ constexpr double kBidsFade = 0.1;
 using Mask = std::uint16_t;
 static_assert(kMostFairBalls <= 16);
 
+/// Of a ball when all have the same.
+double fairLoad(const FairCoverRequest& request, std::size_t balls) {
+  return std::accumulate(request.loads.begin(), request.loads.end(), 0.0) / static_cast<double>(balls);
+}
+
 class Annealer {
  public:
   Annealer(const FairCoverRequest& request, std::span<const DepthProbe> start)
       : request_(request),
         random_(request.seed),
         middle_(request.surface.bounds().center()),
-        fair_(std::accumulate(request.loads.begin(), request.loads.end(), 0.0) /
-              static_cast<double>(start.size())),
+        fair_(fairLoad(request, start.size())),
         masks_(request.pieces.size(), 0),
         balls_(start.size()) {
     std::vector<Point32> corners;
@@ -50,41 +54,45 @@ class Annealer {
       for (const Eigen::Vector3d& p : piece.points) corners.push_back(toPoint32(p - middle_));
       lanes_.add(corners);
     }
+    gather();
     for (std::size_t b = 0; b < balls_.size(); ++b) {
-      balls_[b] = ballAt(start[b]);
+      aim(balls_[b], start[b]);
       put(b);
     }
-    gather();
   }
 
   FairCover run() {
-    double now = energy();
-    FairCover best = state();
-    double bestEnergy = now;
+    Judgement now = judge();
+    FairCover best = cover(now);
+    double bestEnergy = now.energy;
+    Ball other;
     for (std::size_t i = 0; i < request_.steps; ++i) {
       const double t = static_cast<double>(i) / static_cast<double>(request_.steps);
       if (i % kStage == 0) {
         strictness_ = 1 + kStrictness * t;
         gather();
-        now = energy();
-        best = state();
-        bestEnergy = now;
+        now = judge();
+        best = cover(now);
+        bestEnergy = now.energy;
       }
       const std::size_t b = random_.next() % balls_.size();
-      Ball other = ballAt(moved(balls_[b].center, t));
-      if (other.radius <= 0) continue;
+      const DepthProbe center = moved(balls_[b].center, t);
+      if (center.depth + request_.limit <= 0) continue;
+      aim(other, center);
       std::swap(balls_[b], other);
       put(b);
-      const double then = energy();
-      if (then > now && random_.uniform() >= std::exp((now - then) / (kHot * std::pow(kCold / kHot, t)))) {
+      const Judgement then = judge();
+      const double temperature = kHot * std::pow(kCold / kHot, t);
+      if (then.energy > now.energy &&
+          random_.uniform() >= std::exp((now.energy - then.energy) / temperature)) {
         std::swap(balls_[b], other);
         takeBack();
         continue;
       }
       now = then;
-      if (now < bestEnergy) {
-        bestEnergy = now;
-        best = state();
+      if (now.energy < bestEnergy) {
+        bestEnergy = now.energy;
+        best = cover(now);
       }
     }
     return best;
@@ -97,14 +105,19 @@ class Annealer {
     std::vector<float> squared;  // distances to the farthest corners of the pieces
   };
 
-  [[nodiscard]] Ball ballAt(const DepthProbe& center) const {
-    Ball ball{center, center.depth + request_.limit, {}};
+  struct Judgement {
+    double energy;
+    double load;  // the largest, shared as evenly as can be
+  };
+
+  void aim(Ball& ball, const DepthProbe& center) const {
+    ball.center = center;
+    ball.radius = center.depth + request_.limit;
     if (ball.radius > 0) {
       lanes_.farthestSquared(0, lanes_.size(), toPoint32(center.at - middle_), ball.squared);
     } else {
       ball.squared.assign(lanes_.size(), std::numeric_limits<float>::max());
     }
-    return ball;
   }
 
   [[nodiscard]] DepthProbe moved(const DepthProbe& from, double t) {
@@ -152,9 +165,9 @@ class Annealer {
     }
   }
 
-  /// Largest load, in units of the fair one, of a set of balls that may share what only they hold; smoothed
-  /// when `smooth`, so that every set above the average counts.
-  [[nodiscard]] double crowding(bool smooth) {
+  /// The energy is the largest load of a set of balls that may share what only they hold, in units of the
+  /// fair one and smoothed, so that every set above the average counts; and what is in no ball.
+  [[nodiscard]] Judgement judge() {
     sums_ = held_;
     sums_[0] = 0;
     for (std::size_t bit = 1; bit < sums_.size(); bit *= 2) {
@@ -170,30 +183,29 @@ class Annealer {
       const double fourth = (load * load) * (load * load);
       sum += (fourth * fourth) * (fourth * fourth);
     }
-    return smooth ? std::sqrt(std::sqrt(std::sqrt(std::sqrt(sum)))) : most;
+    const double smooth = std::sqrt(std::sqrt(std::sqrt(std::sqrt(sum))));
+    return {smooth + strictness_ * missed(), fair_ * most};
   }
 
-  [[nodiscard]] double energy() {
-    double missed = 0;
-    if (free_ > 0) {
-      double farthest = 0;
-      for (std::size_t p = 0; p < masks_.size(); ++p) {
-        if (masks_[p] != 0) continue;
-        double least = std::numeric_limits<double>::infinity();
-        for (const Ball& ball : balls_) {
-          least = std::min(least, std::sqrt(static_cast<double>(ball.squared[p])) - ball.radius);
-        }
-        farthest = std::max(farthest, least);
+  /// What is in no ball: its load in units of the fair one, and how far balls miss it in units of the limit.
+  [[nodiscard]] double missed() const {
+    if (free_ == 0) return 0;
+    double farthest = 0;
+    for (std::size_t p = 0; p < masks_.size(); ++p) {
+      if (masks_[p] != 0) continue;
+      double least = std::numeric_limits<double>::infinity();
+      for (const Ball& ball : balls_) {
+        least = std::min(least, std::sqrt(static_cast<double>(ball.squared[p])) - ball.radius);
       }
-      missed = std::max(0.0, held_[0]) / fair_ + farthest / request_.limit;
+      farthest = std::max(farthest, least);
     }
-    return crowding(true) + strictness_ * missed;
+    return std::max(0.0, held_[0]) / fair_ + farthest / request_.limit;
   }
 
-  [[nodiscard]] FairCover state() {
+  [[nodiscard]] FairCover cover(const Judgement& now) const {
     FairCover cover;
     for (const Ball& ball : balls_) cover.centers.push_back(ball.center);
-    cover.load = fair_ * crowding(false);
+    cover.load = now.load;
     cover.complete = free_ == 0;
     return cover;
   }
@@ -201,14 +213,14 @@ class Annealer {
   const FairCoverRequest& request_;
   medial::Random random_;
   Eigen::Vector3d middle_;
-  double fair_;  // load of a ball when all have the same
+  double fair_;
   CellLanes lanes_;
   std::vector<Mask> masks_;  // of each piece, the balls that hold it
   std::vector<Ball> balls_;
-  std::vector<double> held_ = std::vector<double>(std::size_t{1} << kMostFairBalls);  // load, by mask
-  std::vector<double> sums_;                                                          // of subsets
-  std::size_t free_ = 0;                                                              // pieces in no ball
-  std::vector<std::pair<std::uint32_t, Mask>> changed_;                               // by the last put()
+  std::vector<double> held_;                             // load, by mask
+  std::vector<double> sums_;                             // of subsets
+  std::size_t free_ = 0;                                 // pieces in no ball
+  std::vector<std::pair<std::uint32_t, Mask>> changed_;  // by the last put()
   double strictness_ = 1;
 };
 
@@ -226,16 +238,12 @@ std::vector<std::uint32_t> shareFairly(const FairCoverRequest& request, const Fa
   std::vector<std::vector<Offer>> offers(request.pieces.size());
   for (std::size_t p = 0; p < offers.size(); ++p) {
     for (std::uint32_t b = 0; b < cover.centers.size(); ++b) {
-      double squared = 0;
-      for (const Eigen::Vector3d& corner : request.pieces[p].points) {
-        squared = std::max(squared, (corner - cover.centers[b].at).squaredNorm());
-      }
-      const double standOff = (std::sqrt(squared) - cover.centers[b].depth) / request.limit;
+      const double reach = std::sqrt(farthestSquared(request.pieces[p], cover.centers[b].at));
+      const double standOff = (reach - cover.centers[b].depth) / request.limit;
       if (standOff <= 1) offers[p].push_back({b, standOff});
     }
   }
-  const double fair = std::accumulate(request.loads.begin(), request.loads.end(), 0.0) /
-                      static_cast<double>(cover.centers.size());
+  const double fair = fairLoad(request, cover.centers.size());
   std::vector<double> price(cover.centers.size(), 0);
   std::vector<std::uint32_t> owner(offers.size(), 0);
   for (int round = 0; round < kRoundsOfBids; ++round) {

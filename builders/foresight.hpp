@@ -30,9 +30,6 @@ class Foresight {
   /// leaves were spread there, in the proportion of the levels' sizes. `pressure` is how much that counts.
   void weigh(LevelProblem& problem, std::size_t depth, double pressure) const;
 
-  /// How loads are foreseen from now on: as the leaves say.
-  void forget() { lessons_.clear(); }
-
   /// How loads are foreseen from now on: more where the level below has turned out to stick out more than its
   /// median. `levels` from the root down; the last is that level.
   void learn(std::span<const std::vector<LevelNode>> levels);

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -67,7 +68,7 @@ constexpr double kNearLeast = 1.05;
 constexpr int kSecondChances = 2;
 constexpr double kSecondWeight = 0.2;
 // First levels differ in how much a load counts: which is best differs from shape to shape.
-constexpr std::array<double, 3> kLoadPressures{2, 1.3, 0.8};
+constexpr std::array<double, 2> kLoadPressures{2, 1.3};
 // First levels with even loads are tried with these times the least overhang of the other first levels.
 constexpr std::array<double, 4> kFairLimits{0.95, 0.98, 1.01, 1.04};
 // Their balls reach as far as they may, so a cell across a seam costs more than elsewhere.
@@ -269,43 +270,37 @@ class LevelDriver {
   }
 
   /// What a first level promises is a guess. So the second level is tried below several of them, and the
-  /// whole tree below those that then promise most.
+  /// whole tree below the one that then promises most.
   void buildLookingAhead() {
     const BuildEffort effort = buildEffort(settings_.quality);
     begin();
     const State root = state();
-    std::vector<Proposal> proposals = proposeAll();
-    std::vector<Begun> begun;
+    const std::vector<Proposal> proposals = proposeAll();
     const Stretch all = stretch_;
     const double middle = all.from + kLookShare * (all.to - all.from);
+    std::optional<Begun> chosen;
+    std::size_t tried = 0;
     for (RefinedLevel& first : firstLevels(proposals)) {
-      if (begun.size() >= effort.lookedAhead) break;
-      stretch_ = part({all.from, middle}, begun.size(), effort.lookedAhead);
+      if (tried >= effort.lookedAhead) break;
+      stretch_ = part({all.from, middle}, tried, effort.lookedAhead);
       goOnFrom(root);
       nodesSoFar_ = 1;
       std::vector<Proposal> shared = proposals;
       shareAmongParents(std::move(first), shared);
       if (!takeOver(shared)) continue;
-      Begun tree{state(), {}};
+      ++tried;
+      State level = state();
       addLevels(2, std::min(settings_.levels, 3U));
-      tree.second = state();
-      begun.push_back(std::move(tree));
+      if (!chosen || prospect_ < chosen->second.prospect) chosen = Begun{std::move(level), state()};
     }
-    std::stable_sort(begun.begin(), begun.end(),
-                     [](const Begun& a, const Begun& b) { return a.second.prospect < b.second.prospect; });
-    if (begun.size() > effort.passes) begun.resize(effort.passes);
     State best = root;
     const std::size_t lessons = settings_.levels > 3 ? effort.lessons : 0;
-    for (pass_ = 0; pass_ < begun.size(); ++pass_) {
-      const Stretch pass = part({middle, all.to}, pass_, begun.size());
-      foresight_.forget();
-      for (std::size_t lesson = 0; lesson <= lessons; ++lesson) {
-        stretch_ = part(pass, lesson, lessons + 1);
-        if (lesson > 0 && !mendSecondLevel(begun[pass_], lesson)) break;
-        goOnFrom(begun[pass_].second);
-        addLevels(3, settings_.levels);
-        if (score(levels_) < score(best.levels)) best = state();
-      }
+    for (std::size_t lesson = 0; chosen && lesson <= lessons; ++lesson) {
+      stretch_ = part({middle, all.to}, lesson, lessons + 1);
+      if (lesson > 0 && !mendSecondLevel(*chosen, lesson)) break;
+      goOnFrom(chosen->second);
+      addLevels(3, settings_.levels);
+      if (score(levels_) < score(best.levels)) best = state();
     }
     goOnFrom(std::move(best));
   }
@@ -542,7 +537,7 @@ class LevelDriver {
 
   /// The reducers' own sets are what refinement must beat; crowding may be given too much for that.
   [[nodiscard]] RefinedLevel refineGiven(LevelProblem problem, const std::vector<LevelBall>& balls) const {
-    const RefineRequest request = requestFor(settings_.seed + nodesSoFar_ + pass_);
+    const RefineRequest request = requestFor(settings_.seed + nodesSoFar_);
     if (problem.loads.empty()) return refined(std::move(problem), balls, request);
     RefinedLevel level = refined(problem, balls, request);
     if (comesWithin(worstOf(balls), level, request)) return level;
@@ -641,9 +636,8 @@ class LevelDriver {
       LevelBall& ball = balls[owner[p]];
       ball.pieces.push_back(p);
       ball.load += problem.loads[p];
-      for (const Eigen::Vector3d& corner : problem.pieces[p].points) {
-        ball.fit.reach = std::max(ball.fit.reach, (corner - ball.fit.center.at).norm());
-      }
+      ball.fit.reach =
+          std::max(ball.fit.reach, std::sqrt(farthestSquared(problem.pieces[p], ball.fit.center.at)));
     }
     std::erase_if(balls, [](const LevelBall& ball) { return ball.pieces.empty(); });
     return balls;
@@ -835,7 +829,6 @@ class LevelDriver {
   bool repeated_ = false;   // somewhere the sketch stood a ball for itself on the next level
   Foresight foresight_;
   std::vector<std::vector<LevelBall>> rivals_;  // all sets proposed for the root
-  std::size_t pass_ = 0;
   Stretch stretch_;
   double prospect_ = 0;           // of the last level
   std::vector<Proposal> makers_;  // of the last level: who proposed its sets, without these

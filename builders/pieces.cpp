@@ -124,6 +124,12 @@ double Piece::size() const {
   return box.sizes().maxCoeff();
 }
 
+double farthestSquared(const Piece& piece, const Eigen::Vector3d& center) {
+  double most = 0;
+  for (const Eigen::Vector3d& p : piece.points) most = std::max(most, (p - center).squaredNorm());
+  return most;
+}
+
 double areaOf(const Piece& piece) {
   double sum = 0;
   for (const SurfaceCell& cell : piece.triangles) sum += medial::areaOf(cell);

@@ -26,6 +26,9 @@ struct Piece {
   [[nodiscard]] double size() const;
 };
 
+/// Squared distance from `center` to the farthest of its points.
+[[nodiscard]] double farthestSquared(const Piece& piece, const Eigen::Vector3d& center);
+
 /// Of its triangles; 0 for a piece of the solid.
 [[nodiscard]] double areaOf(const Piece& piece);
 

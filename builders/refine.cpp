@@ -91,11 +91,8 @@ class LevelRefiner {
 
  private:
   [[nodiscard]] double standOff(std::size_t ball, std::size_t piece) const {
-    double most = 0;
-    for (const Vector3d& p : problem_.pieces[piece].points) {
-      most = std::max(most, (p - balls_[ball].fit.center.at).squaredNorm());
-    }
-    return std::sqrt(most) - balls_[ball].fit.center.depth;
+    const DepthProbe& center = balls_[ball].fit.center;
+    return std::sqrt(farthestSquared(problem_.pieces[piece], center.at)) - center.depth;
   }
 
   [[nodiscard]] bool mayHave(std::size_t ball, std::size_t piece) const {
@@ -163,9 +160,7 @@ class LevelRefiner {
   void measure(std::size_t b) {
     double most = 0;
     for (const std::uint32_t piece : balls_[b].pieces) {
-      for (const Vector3d& p : problem_.pieces[piece].points) {
-        most = std::max(most, (p - balls_[b].fit.center.at).squaredNorm());
-      }
+      most = std::max(most, farthestSquared(problem_.pieces[piece], balls_[b].fit.center.at));
     }
     balls_[b].fit.reach = std::sqrt(most);
     balls_[b].load = 0;
@@ -782,13 +777,13 @@ RefineEffort refineEffort(Quality quality) {
 BuildEffort buildEffort(Quality quality) {
   switch (quality) {
     case Quality::Fast:
-      return {false, 0, 1, 1, 1, 2, kNever, 2};
+      return {false, 0, 1, 1, 2, kNever, 2};
     case Quality::Best:
-      return {true, 4, 2, 10, 1, SettingLimits::kMostLevels, 0, 1, 30000, 3, 3};
+      return {true, 4, 2, 10, SettingLimits::kMostLevels, 0, 1, 30000, 3, 3};
     case Quality::Normal:
       break;
   }
-  return {true, 2, 1, 3, 1, 2, 0.4, 1, 12000, 1, 0};
+  return {true, 2, 1, 3, 2, 0.4, 1, 12000, 1, 0};
 }
 
 RefineEffort sketchEffort() {

@@ -61,7 +61,6 @@ struct BuildEffort {
   std::size_t starts = 0;         ///< further sets that the first level is refined from
   std::size_t pressures = 1;      ///< how many weights of loads each of them is refined with
   std::size_t lookedAhead = 1;    ///< first levels below which the second one is tried
-  std::size_t passes = 1;         ///< whole trees, from those that then promise most; the best one stays
   std::size_t carefulLevels = 1;  ///< below so many, sets are rough: one reducer, a coarse axis and pieces
   double roughPolishFrom = 0;     ///< RefineEffort::polishFrom of rough levels
   std::size_t roughTrialsPerBall = 1;  ///< RefineEffort::trialsPerBall of rough levels

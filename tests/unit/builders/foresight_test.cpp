@@ -80,7 +80,7 @@ TEST_F(ForesightOnABar, EvenSetsHaveNoMoreBallsThanTheyMay) {
   }
 }
 
-TEST_F(ForesightOnABar, WhatStuckOutFartherWeighsMoreUntilForgotten) {
+TEST_F(ForesightOnABar, WhatStuckOutFartherWeighsMore) {
   foresight_.weigh(problem_, 2, 1);
   const std::vector<double> before = problem_.loads;
   // Two balls above, one at each end of the bar; a child of the left one sticks out twice as far.
@@ -106,8 +106,9 @@ TEST_F(ForesightOnABar, WhatStuckOutFartherWeighsMoreUntilForgotten) {
   EXPECT_NEAR(std::accumulate(problem_.loads.begin(), problem_.loads.end(), 0.0),
               std::accumulate(before.begin(), before.end(), 0.0), 1e-9)
       << "there are no more children than before";
-  foresight_.forget();
-  foresight_.weigh(problem_, 2, 1);
+  Foresight untaught{bar_, settings_, context_};
+  untaught.spread(piecesOfAll(bar_, 0.4), {.surface = bar_, .effort = sketchEffort(), .context = context_});
+  untaught.weigh(problem_, 2, 1);
   EXPECT_EQ(problem_.loads, before);
 }
 
